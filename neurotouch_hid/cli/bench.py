@@ -47,6 +47,7 @@ _LIVE: Final = (
     ("at_1_khz", "1 kHz, 1 million events/s", (), 50),
     ("at_250_hz", "250 Hz, 1 million events/s", (0.5, 1.5, 3.0), 20),
     ("at_12_million", "250 Hz, 12 million events/s", (None, 20), None),
+    ("play", "play, slices as it moves", (), 15),
     ("idle", "250 Hz, gel at rest", (), 3),
 )
 """Key of the load, name, goals of the latency's p50, p99 and p99.9, and of the processor time."""
@@ -112,6 +113,9 @@ def _format(result: dict[str, Any]) -> str:
         run = live[key]
         values = [run["latency_ms"][rank] for rank in ("p50", "p99", "p99.9")]
         lines.append(_line(name, values, "ms", latency_ms, most=True))
+        if "event_ms" in run:
+            waits = [run["event_ms"][rank] for rank in ("mean", "p99", "p99.9")]
+            lines.append(_line("  a dot's event (mean)", waits, "ms", (0.8, 1.6), most=True))
         alone = run["machine"]
         values = [alone["latency_ms"][rank] for rank in ("p50", "p99", "p99.9")]
         lines.append(_line("  an empty pipeline", values, "ms", (), most=True))

@@ -130,9 +130,10 @@ def _show_video(info: "VideoInfo", mode: str, reason: str) -> None:
 
 def _find_others() -> "list[EventCameraInfo]":
     """Returns the event cameras of other makers; none without the library that plays them."""
-    from neurotouch_hid.source.events.enumeration import find_event_cameras, needs_library
+    from neurotouch_hid.source.events.enumeration import find_event_cameras
     from neurotouch_hid.source.events.library import INSTALL, load_library
     from neurotouch_hid.source.events.models import DAVIS
+    from neurotouch_hid.source.events.plugged import needs_library
 
     try:
         library = load_library()

@@ -1,5 +1,6 @@
 """``neurotouch hello``: the first minutes with a camera, and one file of what it showed."""
 
+import shlex
 import tempfile
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -10,6 +11,7 @@ import click
 
 from neurotouch_hid import __version__
 from neurotouch_hid.cli.shared.silent_driver import is_guided, open_silent_driver
+from neurotouch_hid.cli.shared.telling import Telling, open_option, page_option, start_page
 from neurotouch_hid.cli.ui.options import seed_option
 from neurotouch_hid.cli.ui.output import echo, plain_option, require_writable, say
 from neurotouch_hid.errors import NeuroTouchError
@@ -17,7 +19,6 @@ from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:
     from neurotouch_hid.cli.ui.keyboard import Keyboard
-    from neurotouch_hid.cli.ui.voice import Voice
     from neurotouch_hid.doctor.hello.session import Session
     from neurotouch_hid.messages import Step
     from neurotouch_hid.recording import Recorder
@@ -27,6 +28,13 @@ _KEYS = (
     "Enter = done, next. A letter, then Enter: S = I cannot do this, R = begin this one again, "
     "Q = stop and save nothing."
 )
+_BUTTONS = [
+    ("", "Done, next"),
+    ("s", "I cannot do this"),
+    ("r", "Begin this one again"),
+    ("q", "Stop and save nothing"),
+]
+_FIRST = {"title": "Meet a camera", "request": "The camera is being opened."}
 _MOST_RECORDED_US = 600_000_000
 """Ten minutes; who takes longer is measured, but no longer recorded."""
 
@@ -35,6 +43,7 @@ _MOST_RECORDED_US = 600_000_000
     epilog="\b\nExamples:\n"
     "  neurotouch hello                         the camera that is plugged in\n"
     "  neurotouch hello desk --source video:    a webcam; writes desk.hello.zip\n"
+    "  neurotouch hello --open                  at a page in your browser, too\n"
     "  neurotouch hello --source sim:tour       to see how it goes, without a camera"
 )
 @click.argument("name", default="camera")
@@ -46,14 +55,26 @@ _MOST_RECORDED_US = 600_000_000
 )
 @seed_option
 @click.option("--force", is_flag=True, help="Replace the file if it exists.")
+@page_option
+@open_option
 @plain_option
-def command(name: str, source: str | None, seed: int, force: bool, plain: bool) -> None:
+def command(
+    name: str,
+    source: str | None,
+    seed: int,
+    force: bool,
+    with_page: bool,
+    open_browser: bool,
+    plain: bool,
+) -> None:
     """Meet a camera for the first time: about three minutes, and nothing is timed.
 
     You are asked for a rest and six movements. Each waits until you press Enter. Then sentences say
     what your camera has answered about real hardware, and how it differs from the simulated one.
-    NAME.hello.zip keeps a recording, what you were asked for, and the answers. Nothing is sent. The
-    pictures show what the camera sees. Nothing is written to the camera but what play writes.
+    NAME.hello.zip keeps a recording, what you were asked for, the answers, and settings of the
+    simulator for more like it. Nothing is sent. The pictures show what the camera sees. Nothing is
+    written to the camera but what play writes. --page asks and answers at a page too, by keyboard
+    or mouse.
     """
     from neurotouch_hid.source.check import check_source
 
@@ -67,18 +88,28 @@ def command(name: str, source: str | None, seed: int, force: bool, plain: bool) 
         )
     from neurotouch_hid.cli.ui.keyboard import Keyboard
     from neurotouch_hid.cli.ui.voice import Voice
-    from neurotouch_hid.doctor.hello.archive import make_report, write_archive
-    from neurotouch_hid.doctor.hello.camera_facts import read_davis, read_opened
+    from neurotouch_hid.doctor.hello.archive import make_report, make_settings, write_archive
+    from neurotouch_hid.doctor.hello.camera_facts import (
+        judge_stream,
+        read_davis,
+        read_opened,
+        read_stream,
+    )
     from neurotouch_hid.doctor.hello.session import Session
     from neurotouch_hid.driver.gel_settings import find_gel_file, load_gel_file
     from neurotouch_hid.gel_making.plan import make_plan
     from neurotouch_hid.profile import load_user
 
-    plan = make_plan(load_gel_file(find_gel_file(None, source)).settings)
+    gel_path = find_gel_file(None, source)
+    gel_file = load_gel_file(gel_path)
+    plan = make_plan(gel_file.settings)
     guided = is_guided(source, "recorded")
     kind = find_source_kind(source)
     with ExitStack() as stack:
-        voice = stack.enter_context(Voice(load_user().feedback))
+        page = None
+        if with_page or open_browser:
+            page = start_page(stack, _BUTTONS, open_browser=open_browser, **_FIRST)
+        told = Telling(stack.enter_context(Voice(load_user().feedback)), page)
         camera, secrets = read_davis(source)
         driver = stack.enter_context(
             open_silent_driver(source, "recorded" if guided else "max", seed)
@@ -89,31 +120,44 @@ def command(name: str, source: str | None, seed: int, force: bool, plain: bool) 
         kept = Path(stack.enter_context(folder))
         recording = _open_recorder(stack, kept, driver.source, source, seed)
         if driver.source.is_simulated:
-            voice.say("SIMULATED: this is no camera.")
+            told.show(simulated=True)
+            told.say("SIMULATED: this is no camera.")
         steps = _record(driver.steps(), recording)
         try:
             if guided:
-                _guide(session, steps, driver.source, Keyboard(), voice)
+                _guide(session, steps, driver.source, Keyboard(), told)
             else:
                 for step in steps:
                     session.take(step, _find_view(driver.source))
             session.finish()
         except (click.Abort, KeyboardInterrupt, NeuroTouchError):
-            voice.say("Nothing was saved.")
+            told.say("Nothing was saved.")
             raise
         path = recording.finish()
+        camera |= read_stream(driver.source)
+        seconds = 1e-6 * (session.end_us - (session.begin_us or 0))
+        is_simulated = driver.source.is_simulated
         report = make_report(
-            session, kind, camera, is_simulated=driver.source.is_simulated, secrets=secrets
+            session,
+            kind,
+            camera,
+            is_simulated=is_simulated,
+            secrets=secrets,
+            stream=judge_stream(driver.source, plan.gel, seconds),
         )
+        own_gel = None if gel_path is None else gel_file
+        settings = make_settings(session, own_gel, camera, is_simulated=is_simulated)
         try:
-            write_archive(out, report, session.spans, path)
+            write_archive(out, report, session.spans, path, settings)
         except OSError as error:
             raise NeuroTouchError(
                 f"'{out}' cannot be written: {error.strerror}.",
                 hint="Make room on this disk, or give a name in another folder.",
             ) from error
-        _tell(report, voice, plain=plain)
-        voice.say(f"All of it is in {out}. Nothing was sent.")
+        _tell(report, told, plain=plain)
+        told.say(f"All of it is in {out}. Nothing was sent.")
+        if settings:
+            echo(f"More recordings like it: neurotouch simulate OUT --like {shlex.quote(str(out))}")
         echo("Left out of the answers: " + "; ".join(report["left_out"]) + ".")
         echo("The recording shows what the camera saw. Look at it before you send it.")
 
@@ -223,7 +267,7 @@ def _guide(
     steps: Iterator["Step"],
     source: "Source",
     keyboard: "Keyboard",
-    voice: "Voice",
+    told: "Telling",
 ) -> None:
     """Asks for one thing after the other; what is pressed decides when it goes on."""
     n_prompts, warned = session.n_prompts, False
@@ -235,18 +279,21 @@ def _guide(
             return
         if prompt is not asked:
             if asked is None:
-                voice.say(_KEYS)
+                told.say(_KEYS)
             asked, warned = prompt, False
-            voice.say(f"{len(session.spans) + 1} of {n_prompts}. {prompt.request}")
+            n_done = len(session.spans)
+            told.show(request=prompt.request, n_done=n_done, n_requests=n_prompts)
+            told.say(f"{n_done + 1} of {n_prompts}. {prompt.request}")
         elif heard:
-            voice.say(heard)
-        key = keyboard.poll()
+            told.say(heard)
+        told.show(missing=session.missing)
+        key = told.poll(keyboard)
         if key is not None:
-            warned = _press(session, key.lower(), voice, warned=warned)
-    voice.say("The source has ended.")
+            warned = _press(session, key.lower(), told, warned=warned)
+    told.say("The source has ended.")
 
 
-def _press(session: "Session", key: str, voice: "Voice", *, warned: bool) -> bool:
+def _press(session: "Session", key: str, told: "Telling", *, warned: bool) -> bool:
     """Acts on a line from the keyboard: Enter, S, R or Q.
 
     Returns:
@@ -254,7 +301,7 @@ def _press(session: "Session", key: str, voice: "Voice", *, warned: bool) -> boo
     """
     match key:
         case "" if session.missing and not warned:
-            voice.say(f"{session.missing} To go on all the same, press Enter once more.")
+            told.say(f"{session.missing} To go on all the same, press Enter once more.")
             return True
         case "":
             session.next()
@@ -262,21 +309,28 @@ def _press(session: "Session", key: str, voice: "Voice", *, warned: bool) -> boo
             session.next(is_skipped=True)
         case "r":
             session.restart()
-            voice.say("Again.")
+            told.say("Again.")
         case "q":
             raise click.Abort
         case _:
-            voice.say(_KEYS)
+            told.say(_KEYS)
             return warned
     return False
 
 
-def _tell(report: dict[str, Any], voice: "Voice", *, plain: bool) -> None:
+def _tell(report: dict[str, Any], told: "Telling", *, plain: bool) -> None:
     """Says what was answered, a sentence each."""
     n_answered = sum(each["word"] != "not in this run" for each in report["answers"])
-    voice.say(f"Answered: {n_answered} of {len(report['answers'])} open questions about hardware.")
+    rows = [
+        {"word": each["word"], "name": each["point"], "sentence": each["sentence"]}
+        for each in report["answers"]
+    ]
+    differences = [each["sentence"] for each in report["differences"]]
+    rows += [{"word": "", "name": "", "sentence": sentence} for sentence in differences]
+    told.show(results=rows)
+    told.say(f"Answered: {n_answered} of {len(report['answers'])} open questions about hardware.")
     for each in report["answers"]:
         say(each["word"].upper(), f"{each['point']}: {each['sentence']}", plain=plain)
     echo("This gel and camera beside the simulated ones:")
-    for each in report["differences"]:
-        echo(each["sentence"])
+    for sentence in differences:
+        echo(sentence)

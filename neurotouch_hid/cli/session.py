@@ -1,4 +1,7 @@
-"""``neurotouch session``: gives the system's service a person's settings, and plays its sounds."""
+"""``neurotouch session``: gives the system's service a person's settings, and plays its sounds.
+
+It also tells the service which profile the application in front has.
+"""
 
 import fcntl
 import os
@@ -13,6 +16,7 @@ from typing import TYPE_CHECKING, Final
 
 import click
 
+from neurotouch_hid.cli.session_window import WindowTeller
 from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.closing import Closing
 
@@ -54,7 +58,8 @@ def command() -> None:
     The service can read no home folder and play no sound. While you are at the machine, this
     program gives it your settings whenever a file of them changes. It plays the service's sounds
     and speech as your own values say. It is silent while a driver of your own runs, which plays its
-    sounds itself.
+    sounds itself. If your driver.yaml gives applications a profile, it tells the service which
+    profile the active window has.
     """
     from neurotouch_hid.handover import hand_over
     from neurotouch_hid.players import PLAYER, PLAYERS, find_player, find_runtime_folder
@@ -122,6 +127,7 @@ class _Link(Closing):
         self._tried: list[_Stamp] | None = None
         self._give_s = self._pause_s = 0.0
         self._sound: StreamSound | None = None
+        self._window = WindowTeller(player, announce)
 
     @property
     def peer(self) -> "socket.socket | None":
@@ -136,6 +142,7 @@ class _Link(Closing):
         """
         self._look_at_values()
         self._give(now_s)
+        self._window.look(now_s)
         if not self._wants_sound():
             self._leave(now_s)
         elif self.peer is None and now_s >= self._connect_s:
@@ -156,7 +163,8 @@ class _Link(Closing):
             self._leave(time.monotonic())
 
     def close(self) -> None:
-        """Disconnects from the driver and ends the sound thread."""
+        """Disconnects from the driver and the desktop, and ends the sound thread."""
+        self._window.close()
         self._subscriber.close()
         if self._sound is not None:
             self._sound.close()

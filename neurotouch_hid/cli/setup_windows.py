@@ -14,8 +14,10 @@ import click
 
 from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.desktop import GNOME_UUID, find_gnome_extension, find_kwin_script
+from neurotouch_hid.desktop.libraries import explain_install
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.players import SERVICE_UNIT
 from neurotouch_hid.resources import find_resources
 
 _LISTS: Final = ("enabled-extensions", "disabled-extensions")
@@ -59,10 +61,12 @@ def change_windows(dry_run: bool, uninstall: bool, yes: bool) -> None:
         echo("Done.")
     elif is_gnome:
         echo("Done. Log out and in again, then start the driver: GNOME loads it then.")
+    elif SERVICE_UNIT.exists():
+        echo("Done. For the service: systemctl --user restart neurotouch-session")
     else:
         echo("Done. Start the driver again: it uses it from then on.")
     if not uninstall and importlib.util.find_spec("jeepney") is None:
-        echo("The driver needs one more library: pip install 'neurotouch-hid[desktop]'")
+        echo(f"The driver needs one more library. {explain_install('python3-jeepney')}")
 
 
 def _list_files(environment: Mapping[str, str]) -> dict[Path, str]:

@@ -3,11 +3,17 @@
 import sys
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from neurotouch_hid.cli.ui.options import Finite, gel_option
 from neurotouch_hid.cli.ui.output import echo
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
+
+if TYPE_CHECKING:
+    from neurotouch_hid.driver.gel_settings import ChosenGel
+    from neurotouch_hid.source.simulator.dataset import KnownRig
 
 
 def _read_nuisances(
@@ -19,6 +25,19 @@ def _read_nuisances(
         _list_nuisances()
         context.exit()
     return read_nuisances(texts) if texts else {}
+
+
+def _read_rig(path: Path) -> "tuple[ChosenGel, KnownRig, dict[str, float]]":
+    """Returns the gel, the rig and the nuisances of a rig that was met, and says what they are."""
+    from neurotouch_hid.doctor.hello.rig_settings import load_rig
+    from neurotouch_hid.source.simulator.dataset import KnownRig
+
+    met = load_rig(path)
+    what = "a SIMULATED rig" if met.settings.simulated else "a real rig"
+    n_known, n = met.settings.count_measured()
+    echo(f"Like {what}: {n_known} of {n} settings were measured, the others are as usual.")
+    config = met.settings.configure(met.gel.gel)
+    return met.gel, KnownRig(config, met.content), met.settings.list_nuisances()
 
 
 def _list_nuisances() -> None:
@@ -43,6 +62,7 @@ def _list_nuisances() -> None:
     "  neurotouch simulate hard --elasticity both --minutes 8\n"
     "  neurotouch simulate room --nuisance mild --nuisance bump=3\n"
     "  neurotouch simulate frames --camera uvc --fps 60 --nuisance rolling --nuisance doubled\n"
+    "  neurotouch simulate more --like camera.hello.zip --minutes 5\n"
     "  neurotouch simulate --nuisance list         all nuisances, with their usual strength"
 )
 @click.argument("out", type=click.Path(path_type=Path, file_okay=False))
@@ -71,8 +91,7 @@ def _list_nuisances() -> None:
 @click.option(
     "--camera",
     type=click.Choice(["davis", "uvc"]),
-    default="davis",
-    show_default=True,
+    show_default="davis, or that of --like",
     help="A DAVIS-346 with events and frames, or a UVC camera with frames alone.",
 )
 @click.option(
@@ -89,6 +108,13 @@ def _list_nuisances() -> None:
     callback=_read_nuisances,
     help="Something that makes recordings harder; repeatable. 'list' shows all.",
 )
+@click.option(
+    "--like",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="A file of 'neurotouch hello': all recordings are like that camera and gel. The "
+    "pushes begin with seven seconds of rest, so that hello can measure them.",
+)
 @gel_option
 @click.option("--force", is_flag=True, help="Replace recordings that were made with other options.")
 def command(
@@ -97,9 +123,10 @@ def command(
     minutes: float,
     seed: int,
     elasticity: str,
-    camera: str,
+    camera: str | None,
     fps: float | None,
     nuisances: dict[str, float],
+    like: Path | None,
     gel: str | None,
     force: bool,
 ) -> None:
@@ -129,7 +156,14 @@ def command(
             spent = time.monotonic() - begun
             echo(f"{percent:3d} %  {progress.path.name}  {spent:.0f} s", err=True)
 
-    chosen = choose_gel(gel, "sim:")
+    chosen, rig = choose_gel(gel, "sim:"), None
+    if like is not None:
+        if camera is not None or gel is not None:
+            raise WrongUsage(
+                "Option --like brings its own camera and gel.", hint="Leave out --camera and --gel."
+            )
+        chosen, rig, more = _read_rig(like)
+        nuisances = {**more, **nuisances}
     gels = [name for name in ELASTICITIES if elasticity in (name, "both")]
     paths = write_dataset(
         out,
@@ -143,6 +177,7 @@ def command(
         command=make_command_line(),
         gel=chosen.gel,
         gel_file=chosen.file,
+        rig=rig,
     )
     size_mb = sum(path.stat().st_size for path in paths) / 1e6
     echo(f"{len(paths)} SIMULATED recordings with labels, {size_mb:.0f} MB, are in {out}.")

@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
+from neurotouch_hid.desktop.libraries import explain_install
 from neurotouch_hid.errors import DesktopError
 from neurotouch_hid.partial_file import write_whole
 
@@ -223,7 +224,7 @@ def _connect(desktop: str) -> "DBusConnection":
     except ImportError:
         raise DesktopError(
             f"The library that asks {desktop} for the active window is missing.",
-            hint="Install it: pip install 'neurotouch-hid[desktop]'",
+            hint=explain_install("python3-jeepney"),
         ) from None
     try:
         return open_dbus_connection("SESSION")

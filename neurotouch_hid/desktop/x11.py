@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from neurotouch_hid.desktop.libraries import explain_install
 from neurotouch_hid.errors import DesktopError
 
 _LONGEST_WORDS: Final = 256  # 32 bit each; class names are a few letters
@@ -27,7 +28,7 @@ class XServer:
         except (ImportError, OSError):  # OSError: libxcb is missing
             raise DesktopError(
                 "The library that asks X11 for the active window is missing.",
-                hint="Install it: pip install 'neurotouch-hid[desktop]'",
+                hint=explain_install("python3-xcffib"),
             ) from None
         self.desktop = desktop
         self._xcb = xcffib

@@ -2,9 +2,10 @@
 
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.errors import CameraError
-from neurotouch_hid.source.events.enumeration import find_event_cameras, needs_library
+from neurotouch_hid.source.events.enumeration import find_event_cameras
 from neurotouch_hid.source.events.library import INSTALL, load_library
 from neurotouch_hid.source.events.models import DAVIS
+from neurotouch_hid.source.events.plugged import needs_library
 from neurotouch_hid.source.events.source import EventsStats
 
 

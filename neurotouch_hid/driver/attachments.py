@@ -16,6 +16,7 @@ from neurotouch_hid.driver.pad_opening import DriverPad
 from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.driver.source_opening import describe_source
 from neurotouch_hid.driver.surroundings import Surroundings
+from neurotouch_hid.driver.told_window import ToldWindow
 from neurotouch_hid.driver_state import Facts, SourceFacts
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.monitor import SoundMonitor
@@ -67,6 +68,7 @@ class Attachments(Closing):
         self._surroundings = surroundings
         self._sound: SoundMonitor | None = None
         self._follower: Follower | None = None
+        self._told: ToldWindow | None = None
         self._closing = ExitStack()
 
     def __enter__(self) -> Self:
@@ -105,7 +107,10 @@ class Attachments(Closing):
             self.taps.append(self._sound)
         if self._socket is not None:
             self._open_feed(self._socket)
-        if surroundings.settings.applications:
+        if surroundings.people is not None:  # which sees no desktop
+            self._told = ToldWindow(surroundings.people.is_present, self._profiles.follow)
+            closing.callback(self._told.close)
+        elif surroundings.settings.applications:
             self._follower = Follower(
                 surroundings.settings.profile_of,
                 lambda: open_window(os.environ),
@@ -120,6 +125,7 @@ class Attachments(Closing):
                 self._source,
                 surroundings,
                 self._describe,
+                self._told,
             )
             self._socket.serve(commands.answer, {"record": packet_feed.serve})
 
@@ -163,6 +169,8 @@ class Attachments(Closing):
             sound = self._sound.describe()
         if self._follower is not None:
             desktop = self._follower.describe()
+        elif self._told is not None:
+            desktop = self._told.describe()
         return {
             "source": describe_source(self._source),
             "simulated": self._source.is_simulated,

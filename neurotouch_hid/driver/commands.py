@@ -11,6 +11,7 @@ from neurotouch_hid.client import LOADING_S, REQUEST_S
 from neurotouch_hid.driver.packet_feed import PacketFeed
 from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.driver.surroundings import Surroundings
+from neurotouch_hid.driver.told_window import ToldWindow
 from neurotouch_hid.errors import DriverError, NeuroTouchError
 from neurotouch_hid.printable import make_printable
 from neurotouch_hid.runtime.command_queue import CommandName
@@ -30,6 +31,7 @@ COMMANDS: Final = (
     "settings",
     "record",
     "gel",
+    "window",
 )
 
 SAID: Final = {
@@ -66,6 +68,7 @@ class Commands:
         source: gives these packets.
         surroundings: the people, files and callbacks around the pipeline.
         describe: describes what surrounds the pipeline; called for each ``status``.
+        window: a service's; None for a driver that asks the desktop itself.
     """
 
     def __init__(
@@ -76,6 +79,7 @@ class Commands:
         source: Source,
         surroundings: Surroundings,
         describe: Callable[[], Described],
+        window: ToldWindow | None,
     ) -> None:
         self._control = control
         self._profiles = profiles
@@ -84,6 +88,7 @@ class Commands:
         self._end, self._people = surroundings.end, surroundings.people
         self._seed, self._gel_file = surroundings.seed, surroundings.gel_file
         self._describe = describe
+        self._window = window
 
     def answer(self, question: dict[str, Any], uid: int) -> Answer:
         """Returns the answer to a question of a user from the socket."""
@@ -98,8 +103,8 @@ class Commands:
                 return self._submit(cast(CommandName, command))
             case "stop":
                 return self._stop()
-            case "reload" | "settings":
-                return self._load(question, uid)
+            case "reload" | "settings" | "window":
+                return self._take(question, uid)
             case "use":
                 return self._use(question.get("profile"))
             case "status" | "gel" as asked:
@@ -148,11 +153,18 @@ class Commands:
         self._end()
         return {"ok": True, "text": "Ended. The pad is neutral."}
 
-    def _load(self, question: dict[str, Any], uid: int) -> Done:
-        if question["command"] == "reload":
-            return self._report(self._profiles.reload())
-        if self._people is not None:
-            self._people.keep(uid, question)
+    def _take(self, question: dict[str, Any], uid: int) -> Done:
+        """Takes what a person has changed: saved files, or the application in front."""
+        match question["command"]:
+            case "window":
+                if self._window is None:
+                    raise DriverError("This driver asks the desktop itself.")
+                self._window.tell(uid, question)
+                return {"ok": True, "text": "The profile follows the window."}
+            case "reload":
+                return self._report(self._profiles.reload())
+            case _ if self._people is not None:
+                self._people.keep(uid, question)
         return self._report(self._profiles.refresh())
 
     def _use(self, profile: object) -> Done:

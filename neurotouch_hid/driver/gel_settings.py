@@ -370,15 +370,26 @@ def choose_gel(
     return ChosenGel(PAPER_GEL, b"") if path is None else _read(path)
 
 
+def parse_gel(content: bytes, name: str) -> ChosenGel:
+    """Returns the gel of a file that has been read.
+
+    Args:
+        content: the file.
+        name: what it is called in messages.
+
+    Raises:
+        ProfileError: it is wrong; every mistake has line and column.
+    """
+    return ChosenGel(parse_settings(content, name, GelSettings).make(), content)
+
+
 def _read(path: Path) -> ChosenGel:
     """Returns the gel of a file.
 
     Raises:
         ProfileError: it is missing or wrong.
     """
-    content = _read_file(path)
-    settings = parse_settings(content, make_printable(str(path)), GelSettings)
-    return ChosenGel(settings.make(), content)
+    return parse_gel(_read_file(path), make_printable(str(path)))
 
 
 def _read_file(path: Path) -> bytes:
@@ -415,5 +426,4 @@ def _ask_driver(player: int | None) -> ChosenGel:
         raise explain_missing("file")
     if not content:
         return ChosenGel(PAPER_GEL, b"")
-    name = f"{FILE} of the running driver"
-    return ChosenGel(parse_settings(content, name, GelSettings).make(), content)
+    return parse_gel(content, f"{FILE} of the running driver")

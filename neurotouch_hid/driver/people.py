@@ -79,6 +79,10 @@ class People:
         except OSError:
             return None
 
+    def is_present(self, uid: int) -> bool:
+        """Returns True for the person at the machine, with settings here or without."""
+        return uid in self._find_seated()[:1]
+
     def keep(self, uid: int, settings: dict[str, Any]) -> None:
         """Keeps a person's settings in place of those before.
 
@@ -92,7 +96,7 @@ class People:
             DriverError: the user is not at the machine, these are no settings, or they cannot be
                 written.
         """
-        if uid not in self._find_seated()[:1]:
+        if not self.is_present(uid):
             raise DriverError(
                 "The service plays the settings of the person at the machine, and that is not you.",
                 hint="They apply once you sit there. For everybody without settings: "

@@ -35,7 +35,7 @@ from neurotouch_hid.page.profile_view import (
 )
 from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.page.requests import Requests
-from neurotouch_hid.page.situation import find_situation
+from neurotouch_hid.page.situation import StartName, find_situation, find_start
 from neurotouch_hid.players import find_runtime_folder, find_user_file
 from neurotouch_hid.profile.reading import find_profile
 from neurotouch_hid.subscriber import Subscriber
@@ -140,6 +140,7 @@ class Hub:
             tell_all=self._tell_all,
         )
         self._situation: SituationState | None = None
+        self._plugged: StartName = ""
         self._listener = Subscriber()
         self._clients: set[Client] = set()
         self._came = asyncio.Event()  # a browser, which waits for nothing
@@ -178,6 +179,7 @@ class Hub:
         if runs and (time.monotonic() - self._heard_s < SILENT_S or not self._wanted_hz):
             if self._newest is not None:
                 self._situation = None
+                await self._look_for_camera(self._newest)
             return
         situation = await asyncio.to_thread(find_situation, waits=runs)
         found: SituationState = {
@@ -185,10 +187,19 @@ class Hub:
             "text": situation.text,
             "next": situation.next,
             "mend": situation.mend,
+            "start": situation.start,
         }
         if found != self._situation:
             self._situation = found
             self._tell_all({"situation": found})
+
+    async def _look_for_camera(self, state: bytes) -> None:
+        """Tells the browsers of a camera that could play in place of a simulated gel."""
+        is_simulated = bool(read_head(state)["slow"].get("simulated"))
+        plugged: StartName = await asyncio.to_thread(find_start) if is_simulated else ""
+        if plugged != self._plugged:
+            self._plugged = plugged
+            self._tell_all({"plugged": plugged})
 
     def _tell_all(self, message: PageMessage) -> None:
         for client in self._clients:
@@ -232,6 +243,8 @@ class Hub:
             client.tell(own=self._own)
             if self._situation is not None:
                 client.tell(situation=self._situation)
+            if self._plugged:
+                client.tell(plugged=self._plugged)
             for news in self._requests.news:
                 client.tell(**news)
             await client.talk(partial(self._hear, client))

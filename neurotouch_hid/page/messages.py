@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Literal, NotRequired, TypedDict
 from neurotouch_hid.page.output_choices import OutputGroup
 from neurotouch_hid.page.own_values import OwnValuesView
 from neurotouch_hid.page.profile_view import ProfileFault, ProfileView
-from neurotouch_hid.page.situation import SituationKind
+from neurotouch_hid.page.situation import SituationKind, StartName
 
 if TYPE_CHECKING:  # it imports numpy, which the page needs for nothing else
     from neurotouch_hid.evaluation.people.throughput import Figures
@@ -18,6 +18,7 @@ class SituationState(TypedDict):
     text: str
     next: str
     mend: str
+    start: StartName
 
 
 class ProfileRow(TypedDict):
@@ -80,6 +81,7 @@ class PageMessage(TypedDict, total=False):
         refused: the reason why something has not been done.
         throughput: the figures of a game.
         situation: the reason why the gel does not play while no driver runs.
+        plugged: the driver that can be started with a camera, while a simulated gel plays.
         outputs: the outputs that a movement can have.
         profiles: those there are.
         shown: a profile that the browser wants to look at.
@@ -103,6 +105,7 @@ class PageMessage(TypedDict, total=False):
     refused: str
     throughput: "Figures"
     situation: SituationState
+    plugged: StartName
     outputs: list[OutputGroup]
     profiles: list[ProfileRow]
     shown: ProfileView | ProfileFault

@@ -14,6 +14,8 @@ from neurotouch_hid.process.own_command import make_own_command
 
 COMMANDS: Final = {
     "camera": ("run", "--show", "nothing"),
+    "events": ("run", "--source", "events:", "--show", "nothing"),
+    "webcam": ("run", "--source", "video:", "--show", "nothing"),
     "mouse": ("demo", "--mouse", "--show", "lines"),
     "calibrate": ("calibrate",),
     "check": ("doctor", "--json"),
@@ -24,7 +26,7 @@ COMMANDS: Final = {
 SERVICE: Final = ("pkexec", "systemctl", "start", "neurotouch")
 """The only command of the list that is not ours: ``service``."""
 
-DRIVERS: Final = ("camera", "mouse")
+DRIVERS: Final = ("camera", "events", "webcam", "mouse")
 MOST_LINES: Final = 400
 """Limit for a program's output; a calibration needs a tenth of it."""
 

@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask, ask_every, get_text, is_served
+from neurotouch_hid.client import ask, ask_every, get_text, is_served, wait_until_ended
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.address import write_secret
@@ -179,7 +179,11 @@ class Requests:
         if name in MENDS.values() and self._is_far:
             raise PageError("Only the machine itself may ask for its password.")
         if name in DRIVERS and await asyncio.to_thread(is_served, find_runtime_folder()):
-            raise PageError("A driver of yours runs already.", hint="Press 'End the driver' first.")
+            if request.get("instead") is not True:
+                hint = "Press 'End the driver' first."
+                raise PageError("A driver of yours runs already.", hint=hint)
+            await asyncio.to_thread(ask, "stop")
+            await asyncio.to_thread(wait_until_ended, find_runtime_folder())
         await self._programs.start(name)
         return {"started": name}
 

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 from neurotouch_hid.messages import EventPacket, Frame, RestField
 from neurotouch_hid.tracker import BlobFinder, Blobs, RestDetector
 
-WATCHED_PACKETS = 64  # with events, that wait until the gel is found; 0.6 s of them
+WATCHED_PACKETS = 64  # with events, that wait until the gel is found; 64 ms of them or more
 
 
 class FrameResult(NamedTuple):

@@ -5,9 +5,9 @@ from collections.abc import Callable, Iterator
 
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.messages import EventPacket
-from neurotouch_hid.source.idle import IdleMerger
 from neurotouch_hid.source.partial import LEAD_US, cut_partial
 from neurotouch_hid.source.protocol import PictureSource, Source
+from neurotouch_hid.source.slice_pacer import SlicePacer
 
 
 class PacedSource(Closing):
@@ -24,6 +24,8 @@ class PacedSource(Closing):
         source: the other source.
         clock_ns: host time.
         sleep_s: how to wait.
+        usual_us: its slices come joined to this length, as those of a camera do unless the gel
+            moves; without, as they are.
 
     Attributes:
         due_ns: the moment on that clock at which the end of the newest packet happened.
@@ -34,6 +36,7 @@ class PacedSource(Closing):
         source: Source,
         clock_ns: Callable[[], int] = time.monotonic_ns,
         sleep_s: Callable[[float], None] = time.sleep,
+        usual_us: int | None = None,
     ) -> None:
         self.name = source.name
         self.rig = source.rig
@@ -41,7 +44,7 @@ class PacedSource(Closing):
         self.is_simulated = source.is_simulated
         self.due_ns = 0
         self._source, self._clock_ns, self._sleep_s = source, clock_ns, sleep_s
-        self._merger, self._is_video = IdleMerger(), isinstance(source, PictureSource)
+        self._pacer, self._is_video = SlicePacer(usual_us), isinstance(source, PictureSource)
 
     def __iter__(self) -> Iterator[EventPacket]:
         start_ns: int | None = None
@@ -51,7 +54,7 @@ class PacedSource(Closing):
                 start_ns = self._clock_ns()
             played_us += packet.t_end_us - packet.t_begin_us
             self.due_ns = start_ns + played_us * 1000
-            if self._merger.takes_partials:
+            if self._pacer.takes_partials:
                 partial = cut_partial(packet)
                 if partial is not None and self._wait(self.due_ns - LEAD_US * 1000):
                     yield partial
@@ -69,7 +72,7 @@ class PacedSource(Closing):
         Not of a video: without events, only a picture shows that something begins.
         """
         if not self._is_video:
-            self._merger.is_idle = is_idle
+            self._pacer.is_idle = is_idle
 
     def _wait(self, until_ns: int) -> bool:
         """Waits until ``until_ns``; returns False if that has passed already."""
@@ -81,8 +84,8 @@ class PacedSource(Closing):
 
     def _join(self) -> Iterator[EventPacket]:
         for packet in self._source:
-            yield from self._merger.take(packet)
-        yield from self._merger.flush()
+            yield from self._pacer.take(packet)
+        yield from self._pacer.flush()
 
     def close(self) -> None:
         """Closes the source that is played."""

@@ -55,6 +55,11 @@ class PacketQueue:
             return self._packets.popleft() if self._packets else None
 
     @property
+    def is_empty(self) -> bool:
+        """Returns True if no slice waits."""
+        return not self._packets
+
+    @property
     def has_ended(self) -> bool:
         """Returns True once the queue has ended."""
         return self._ended

@@ -28,15 +28,26 @@ class Slicer:
     Args:
         slice_us: length of a slice.
         begin_us: where the first slice begins; at the first stamp without.
+
+    Attributes:
+        part_us: slices come in parts of this length; None: they come whole. A slice or part whose
+            end has been asked for keeps it.
     """
 
     def __init__(self, slice_us: int, begin_us: int | None = None) -> None:
         if slice_us <= 0:
             raise ValueError("a slice has at least 1 µs")
         self._slice_us = slice_us
-        self._begin_us = begin_us
+        self.part_us: int | None = None
+        self._begin_us = self._origin_us = begin_us
+        self._end_us: int | None = None  # of the slice that is being filled, or of its part
         self._parts: list[NDArray[np.void]] = []
         self._frames: list[Frame] = []
+
+    @property
+    def length_us(self) -> int:
+        """Length of the slice that is being filled, or of its part."""
+        return self._slice_us if self._begin_us is None else self._end() - self._begin_us
 
     def push(self, events: NDArray[np.void], frames: Iterable[Frame] = ()) -> Iterator[EventPacket]:
         """Takes a batch and yields the slices that it completes.
@@ -51,9 +62,9 @@ class Slicer:
             return
         t = events["t"]
         if self._begin_us is None:
-            self._begin_us = min([int(t[0]), *(f.exposure_end_us for f in self._frames)])
+            self._begin(min([int(t[0]), *(f.exposure_end_us for f in self._frames)]))
         position = 0
-        while (end_us := self._begin_us + self._slice_us) <= t[-1]:
+        while (end_us := self._end()) <= t[-1]:
             stop = position + int(np.searchsorted(t[position:], end_us))
             yield self._cut(events[position:stop], end_us)
             position = stop
@@ -67,8 +78,8 @@ class Slicer:
         if self._begin_us is None:
             if not self._frames:
                 return
-            self._begin_us = min(f.exposure_end_us for f in self._frames)
-        while (end_us := self._begin_us + self._slice_us) <= now_us:
+            self._begin(min(f.exposure_end_us for f in self._frames))
+        while (end_us := self._end()) <= now_us:
             yield self._cut(np.empty(0, EVENT_DTYPE), end_us)
             self._skip_silence(now_us)
 
@@ -83,14 +94,14 @@ class Slicer:
             The partial slice; None if ``now_us`` is in another slice or there are more events.
         """
         begin_us = self._begin_us
-        if begin_us is None or not begin_us < now_us < begin_us + self._slice_us:
+        if begin_us is None or not begin_us < now_us < self._end():
             return None
         if sum(map(len, self._parts)) > most:
             return None
         if len(self._parts) > 1:
             self._parts = [join_events(self._parts)]
         events = self._parts[0] if self._parts else np.empty(0, EVENT_DTYPE)
-        return cut(EventPacket(begin_us, begin_us + self._slice_us, events), now_us)
+        return cut(EventPacket(begin_us, self._end(), events), now_us)
 
     def flush(self) -> Iterator[EventPacket]:
         """Yields the remaining slices at the end of the stream, the last one in full length."""
@@ -99,11 +110,23 @@ class Slicer:
         if not stamps:
             return
         if self._begin_us is None:
-            self._begin_us = min(stamps)
+            self._begin(min(stamps))
         while self._parts or self._frames:
-            yield self._cut(np.empty(0, EVENT_DTYPE), self._begin_us + self._slice_us)
+            yield self._cut(np.empty(0, EVENT_DTYPE), self._end())
             if self._frames and not self._parts:
                 self._skip_silence(min(f.exposure_end_us for f in self._frames))
+
+    def _begin(self, at_us: int) -> None:
+        self._begin_us = self._origin_us = at_us
+
+    def _end(self) -> int:
+        """Returns the end of the slice that is being filled, or of its part."""
+        if self._end_us is None:
+            begin_us, origin_us = self._begin_us, self._origin_us
+            assert begin_us is not None and origin_us is not None  # noqa: S101, PT018 - it began
+            left_us = self._slice_us - (begin_us - origin_us) % self._slice_us
+            self._end_us = begin_us + min(self.part_us or left_us, left_us)
+        return self._end_us
 
     def _cut(self, tail: NDArray[np.void], end_us: int) -> EventPacket:
         """Returns the packet up to ``end_us``: the parts kept so far and ``tail``."""
@@ -112,9 +135,10 @@ class Slicer:
         frames = [f for f in self._frames if f.exposure_end_us < end_us]
         frames.sort(key=lambda f: f.exposure_end_us)
         self._frames = [f for f in self._frames if f.exposure_end_us >= end_us]
-        begin_us = end_us - self._slice_us
+        begin_us = self._begin_us
+        assert begin_us is not None  # noqa: S101 - a slice that ends has begun
+        self._begin_us, self._end_us = end_us, None
         self._parts = []
-        self._begin_us = end_us
         return EventPacket(begin_us, end_us, events, tuple(frames))
 
     def _skip_silence(self, next_us: int) -> None:
@@ -123,6 +147,7 @@ class Slicer:
         next_us = min([next_us, *(f.exposure_end_us for f in self._frames)])
         if next_us - self._begin_us > MAX_SILENCE_US:
             self._begin_us += (next_us - self._begin_us) // self._slice_us * self._slice_us
+            self._end_us = None
 
 
 def slice_recording(batches: Iterable[Batch], slice_us: int) -> Iterator[EventPacket]:

@@ -8,6 +8,7 @@ from contextlib import suppress
 from typing import Any, Final
 
 from websockets.asyncio.server import Server, ServerConnection, broadcast, serve
+from websockets.exceptions import ConnectionClosed
 
 from neurotouch_hid.errors import StreamError
 from neurotouch_hid.stream.reading import Reading
@@ -123,5 +124,6 @@ def describe(reading: Reading, *, markers: bool) -> dict[str, Any]:
 
 
 async def _ignore_words(listener: ServerConnection) -> None:
-    async for _ in listener:
-        pass
+    with suppress(ConnectionClosed):  # without a goodbye
+        async for _ in listener:
+            pass

@@ -12,7 +12,7 @@ from neurotouch_hid.tracker.beyond import find_beyond
 from neurotouch_hid.tracker.growth import Growth, find_net
 from neurotouch_hid.tracker.smooth_map import GATE, assign, fit_model
 
-_PRINT_BEND = 1.1  # the largest of 177 means of nine, in tolerances of single markers
+_PRINT_BEND = 3.3  # the largest of 177 means, in standard errors of a mean on one axis
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,9 +143,9 @@ class LatticeFinder:
         position = model.copy()
         position[is_seen] = centroid_px[blob[is_seen]]
         off = np.where(is_seen[:, None], position - model, 0.0)
-        bend, own = self._average(off, is_seen)
+        bend, own, error = self._average(off, is_seen)
         tolerance = 1.4826 * float(np.median(np.abs(own[is_seen])))
-        bend2 = float((bend**2).sum(axis=1).max()) - (_PRINT_BEND * tolerance) ** 2
+        bend2 = float(((bend**2).sum(axis=1) - (_PRINT_BEND * tolerance * error) ** 2).max())
         free = np.setdiff1d(np.arange(len(centroid_px)), blob[is_seen])
         displaced = assign(model[~is_seen], centroid_px[free], pitch_px) >= 0
         aside_mm = np.hypot(*(gel.points_mm[is_seen].mean(axis=0) - gel.points_mm.mean(axis=0)))
@@ -156,8 +156,11 @@ class LatticeFinder:
 
     def _average(
         self, off_px: NDArray[np.float64], found: NDArray[np.bool_]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Returns each marker's deviation averaged with its neighbours', and what that leaves over.
+
+        The third result is the standard error of each average, (n,), in tolerances of a marker: it
+        is larger where neighbours are missing.
 
         Args:
             off_px: (n, 2) float64 px, deviations from the model, 0 for markers that are not seen.
@@ -165,5 +168,7 @@ class LatticeFinder:
         """
         use = (self._around >= 0) & found[self._around]
         total = np.where(use[:, :, None], off_px[self._around], 0.0).sum(axis=1)
-        mean = total / np.maximum(use.sum(axis=1, keepdims=True), 4)  # few neighbours prove nothing
-        return mean, off_px - mean
+        number = use.sum(axis=1)
+        divisor = np.maximum(number, 4)  # few neighbours prove nothing
+        mean = total / divisor[:, None]
+        return mean, off_px - mean, np.sqrt(number) / divisor

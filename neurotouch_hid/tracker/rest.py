@@ -24,9 +24,9 @@ from neurotouch_hid.tracker.kept_motion import PACE_US, KeptMotion
 from neurotouch_hid.tracker.kernels import correction, matching
 from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, LatticeFinder
 from neurotouch_hid.tracker.reference import MOST_LEFT, Reference
+from neurotouch_hid.tracker.stillness import StillConfig, Stillness
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
-_STILL_GATE_PX = 2.0  # a longer motion is not small
 _CLEAR_BEND_PX = 0.19  # an untouched gel is bent less, with any optics
 _SINKING_PX = 0.03  # from frame to frame; more means that a touch is just ending
 _RIG_SHARE = 0.5  # of the limit of rest; markers that are farther off may show a rig that creeps
@@ -51,12 +51,10 @@ class RestConfig:
             fingertip are more; those at its edge move less than the finger. With 5 % of all markers
             instead, F1 is 0.976.
         min_share: least share of the reference's markers that must be seen at their places.
-        settle_frames: a gel that is still for this many frames, 1 s at 25 Hz or more, becomes the
-            reference even if it is bent more than an undeformed gel (odd optics). It becomes the
-            new reference if it is elsewhere and bent no more than the old one (its mount was
-            bumped, or a hand was on it at the start).
-        max_still_px: largest median motion of the markers between two frames of a still gel, which
-            are at least ``PACE_US`` apart.
+        still: when a gel is still. Then the mean of its frames, which are at least ``PACE_US``
+            apart, becomes the reference even if it is bent more than an undeformed gel (odd
+            optics). It becomes the new reference if it is elsewhere and bent no more than the old
+            one (its mount was bumped, or a hand was on it at the start).
         max_odd_bend_px: largest bend with odd optics, as much as one finger that pushes by 1.5 mm.
         max_print_px: largest tolerance of single markers of a printed gel, standard deviation. It
             hides a light touch, so a gel painted by hand is accepted only once it has been still.
@@ -69,11 +67,10 @@ class RestConfig:
     max_displacement_mm: float = 0.3
     max_displaced: int = 3
     min_share: float = 0.9
-    settle_frames: int = 25
-    max_still_px: float = 0.1
     max_odd_bend_px: float = 1.5
     max_print_px: float = 0.5
     max_odd_displaced: int = 25
+    still: StillConfig = field(default_factory=StillConfig)
     blobs: BlobConfig = field(default_factory=BlobConfig)
     lattice: LatticeConfig = field(default_factory=LatticeConfig)
 
@@ -149,8 +146,7 @@ class RestDetector:
         self._moved_px: NDArray[np.float64] | None = None
         self._moved_us = 0
         self._kept = KeptMotion()
-        self._still_px: NDArray[np.float64] = np.empty((0, 2))
-        self._n_still = 0
+        self._still = Stillness(self._config.still, gel.n_markers // 3)
         self._bend_px = np.inf
         self._watch = GelWatch(self._lattice, near_rad)
         self._stats = RestStats(0, 0, 0, 0, float("nan"), float("nan"), GelProblem.WAITING)
@@ -232,9 +228,13 @@ class RestDetector:
     def _search(self, frame: Frame, blobs: Blobs) -> RestField | None:
         """Takes the frame as the reference if it shows the undeformed lattice."""
         lattice = self._lattice.find(blobs.centroid_px, self._rig, near_rad=self._near_rad)
-        settled = self._count_still(blobs)
-        n_found = len(blobs.centroid_px) if lattice is None else lattice.n_found
         doubt = self._doubt(lattice)
+        settled = self._is_paced and self._still.update(frame, blobs.centroid_px)
+        shown_px = None
+        if settled:  # a longer look than for ``doubt``
+            doubt, shown_px = GelProblem.NONE, blobs.centroid_px.copy()
+            frame, blobs, lattice = self._find_in_mean(frame, self._rig)
+        n_found = len(blobs.centroid_px) if lattice is None else lattice.n_found
         problem = self._judge(lattice, odd=settled) or doubt
         if lattice is None or problem:
             self._count(n_found, problem)
@@ -242,7 +242,7 @@ class RestDetector:
                 problem = GelProblem.LEARNING
             self._watch.search(frame, blobs, lattice, problem)
             return None
-        self._set_reference(lattice, frame, blobs)
+        self._set_reference(lattice, frame, blobs, shown_px)
         self._count(n_found, GelProblem.NONE, 0.0, 0.0)
         self._watch.rest(frame, blobs, lattice.blob, lattice.bend_px)
         position_px = lattice.position_px.astype(np.float32)
@@ -261,11 +261,13 @@ class RestDetector:
     def _compare(self, frame: Frame, blobs: Blobs, reference: Reference) -> RestField | None:
         """Returns all markers if white pixels and markers are at the places of the reference."""
         c, limit_px = self._config, self._config.max_displacement_mm * reference.px_per_mm
-        n_found, displacement = self._measure(blobs, reference, reference.position_px)
+        n_found, displacement = self._measure(blobs.centroid_px, reference, reference.position_px)
         if displacement > _RIG_SHARE * limit_px:
             self._follow_rig(frame, blobs, reference, limit_px)
             # Also if it was not followed: other places have been measured in between.
-            n_found, displacement = self._measure(blobs, reference, reference.position_px)
+            n_found, displacement = self._measure(
+                blobs.centroid_px, reference, reference.position_px
+            )
         distance = float("nan")
         is_rest = (
             displacement <= limit_px
@@ -277,7 +279,7 @@ class RestDetector:
             reference.add(blobs.centroid_px, self._match)
         share, off_mm = n_found / reference.n_found, displacement / reference.px_per_mm
         if is_rest or self._kept.update(frame.t_us, blobs.centroid_px, share, off_mm):
-            self._n_still = 0
+            self._still.forget()
             self._count(n_found, GelProblem.NONE, distance, displacement)
             found = self._match >= 0
             self._watch.rest(frame, blobs, self._match, reference.bend_px)
@@ -289,12 +291,15 @@ class RestDetector:
         return self._settle(frame, blobs, reference)
 
     def _measure(
-        self, blobs: Blobs, reference: Reference, position_px: NDArray[np.float64]
+        self,
+        centroid_px: NDArray[np.float64],
+        reference: Reference,
+        position_px: NDArray[np.float64],
     ) -> tuple[int, float]:
         """Returns how many markers are seen near their places, and how far they are off, px."""
         n_found, displacement = matching.measure_largest(
             position_px,
-            blobs.centroid_px,
+            centroid_px,
             reference.gate_px,
             self._config.max_displaced,
             self._match,
@@ -315,7 +320,7 @@ class RestDetector:
         moved = reference.find_moved(blobs, self._config.max_displaced, limit_px)
         if moved is None:
             return
-        n_found, left_px = self._measure(blobs, reference, moved)
+        n_found, left_px = self._measure(blobs.centroid_px, reference, moved)
         rig_px = correction.median_size(moved - reference.position_px)
         enough = self._config.min_share * reference.n_found
         is_rig = n_found >= enough and left_px <= min(limit_px, MOST_LEFT * rig_px)
@@ -331,42 +336,53 @@ class RestDetector:
 
     def _settle(self, frame: Frame, blobs: Blobs, reference: Reference) -> RestField | None:
         """Takes a new reference if the gel is at rest elsewhere, and returns its markers."""
-        if not self._count_still(blobs):
+        if not (self._is_paced and self._still.update(frame, blobs.centroid_px)):
             return None
-        lattice = self._lattice.find(blobs.centroid_px, near_rad=self._near_rad)
+        shown_px = blobs.centroid_px.copy()
+        frame, blobs, lattice = self._find_in_mean(frame, None)
         if (
             lattice is None
             or self._judge(lattice, odd=True)
             or lattice.bend_px > reference.bend_px + _SAME_BEND_PX
         ):
             return None
-        self._set_reference(lattice, frame, blobs)
+        self._set_reference(lattice, frame, blobs, shown_px)
         position_px = lattice.position_px.astype(np.float32)
         return RestField(frame.t_us, position_px, blur_px=self._watch.blur_px)
 
-    def _count_still(self, blobs: Blobs) -> bool:
-        """Returns True once for every ``settle_frames`` consecutive frames without motion."""
-        if not self._is_paced:
-            return False
-        c, before, now = self._config, self._still_px, blobs.centroid_px.copy()
-        self._still_px = now
-        same = np.empty(len(before), np.int32)
-        n, median = matching.measure_median(before, now, _STILL_GATE_PX, same)
-        if n < max(c.min_share * len(before), c.lattice.min_share * self._gel.n_markers):
-            self._n_still = 0
-            return False
-        self._n_still = self._n_still + 1 if median <= c.max_still_px else 0
-        return self._n_still > 0 and self._n_still % c.settle_frames == 0
+    def _find_in_mean(self, frame: Frame, rig: Rig | None) -> tuple[Frame, Blobs, Lattice | None]:
+        """Returns the mean of the still frames that end with this one, its blobs and lattice."""
+        mean = self._still.take_mean(frame)
+        blobs = self._finder.find(mean.pixels)
+        return mean, blobs, self._lattice.find(blobs.centroid_px, rig, near_rad=self._near_rad)
 
-    def _set_reference(self, lattice: Lattice, frame: Frame, blobs: Blobs) -> None:
-        self._reference = Reference(lattice, blobs, self._gel)
+    def _set_reference(
+        self,
+        lattice: Lattice,
+        frame: Frame,
+        blobs: Blobs,
+        shown_px: NDArray[np.float64] | None = None,
+    ) -> None:
+        """Takes a lattice as the reference.
+
+        Args:
+            lattice: the markers.
+            frame: the frame that shows them, or the mean of several.
+            blobs: its blobs.
+            shown_px: (m, 2) px, the blobs of the last frame of a mean, which may show fewer.
+        """
+        self._reference = reference = Reference(lattice, blobs, self._gel)
+        if shown_px is not None:
+            n_shown = self._measure(shown_px, reference, lattice.position_px)[0]
+            reference.n_found = min(reference.n_found, n_shown)
+        n_found = reference.n_found
         # A gel that turns in its mount is searched at its new turn from now on.
         self._near_rad = fit_rig(lattice.position_px, self._gel).rotation_rad
-        self._watch.find(lattice.position_px, lattice.n_found, frame)
-        self._n_still = 0
+        self._watch.find(lattice.position_px, n_found, frame)
+        self._still.forget()
         s = self._stats
         self._stats = RestStats(
-            s.n_frames, s.n_rest, s.n_references + 1, lattice.n_found, 0.0, 0.0, GelProblem.NONE
+            s.n_frames, s.n_rest, s.n_references + 1, n_found, 0.0, 0.0, GelProblem.NONE
         )
 
     def _judge(self, lattice: Lattice | None, *, odd: bool = False) -> GelProblem:

@@ -15,7 +15,7 @@ STAGES = (
     "profile_ms",
     "advance_ms",
 )
-LOADS = ("at_1_khz", "at_250_hz", "at_12_million", "idle")
+LOADS = ("at_1_khz", "at_250_hz", "at_12_million", "play", "idle")
 
 
 def make_result():
@@ -34,6 +34,7 @@ def make_result():
             "late": 0,
         },
     }
+    played = {**run, "event_ms": {"mean": 0.7, "p99": 1.5, "p99.9": 4.0}}
     fast = {"median": 60e6, "p99": 50e6, "p99.9": 40e6}
     return {
         **{key: fast if key.endswith("per_s") else spread for key in STAGES},
@@ -43,14 +44,14 @@ def make_result():
         "startup_s": {"help_cpu": 0.05, "reader_cpu": 0.1, "pad": 0.9},
         "rss_mb": 200.0,
         "events_per_s": 1e6,
-        "live": {"device": "memory", **{load: {**run} for load in LOADS}},
+        "live": {"device": "memory", **{load: {**run} for load in LOADS}, "play": played},
     }
 
 
 def test_all_goals_are_reached():
     text = _format(make_result())
     assert "short" not in text
-    assert text.count("OK") == 22
+    assert text.count("OK") == 25
 
 
 @pytest.mark.parametrize(
@@ -63,6 +64,8 @@ def test_all_goals_are_reached():
         ("at_12_million", {"lost": 1}),
         ("at_12_million", {"backlog_ms": 5.0}),
         ("at_12_million", {"latency_ms": {"p50": 9.0, "p99": 21.0, "p99.9": 30.0}}),
+        ("play", {"event_ms": {"mean": 0.9, "p99": 1.5, "p99.9": 4.0}}),
+        ("play", {"event_ms": {"mean": 0.7, "p99": 1.7, "p99.9": 4.0}}),
         ("idle", {"core": 0.04}),
     ],
 )

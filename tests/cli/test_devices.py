@@ -78,6 +78,6 @@ def test_event_cameras_of_other_makers_are_listed(linux, monkeypatch):
 
 def test_without_its_library_an_event_camera_is_named_with_the_command(linux, monkeypatch):
     monkeypatch.setitem(sys.modules, "neuromorphic_drivers", None)
-    monkeypatch.setattr("neurotouch_hid.source.events.enumeration.needs_library", lambda: True)
+    monkeypatch.setattr("neurotouch_hid.source.events.plugged.needs_library", lambda: True)
     said = CliRunner().invoke(command, []).output
     assert "An event camera needs another package: pip install 'neurotouch-hid[events]'" in said

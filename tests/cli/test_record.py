@@ -19,8 +19,8 @@ from neurotouch_hid.cli.record import _read_rig
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.recording import Clip, Recording, RecordingWriter, gel_path
 from neurotouch_hid.recording.wire import send_packet
-from neurotouch_hid.source.idle import LONGEST_US
 from neurotouch_hid.source.rig_file import load_rig_file
+from neurotouch_hid.source.slice_pacer import LONGEST_US
 from tests.recording.clips import draw, write_clip
 from tests.recording.streams import make_packets
 from tests.recording.test_writer import count, count_with_the_maker

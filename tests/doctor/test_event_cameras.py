@@ -5,8 +5,9 @@ import pytest
 from neurotouch_hid.doctor import event_cameras
 from neurotouch_hid.doctor.event_cameras import check_event_cameras, judge_events
 from neurotouch_hid.errors import CameraError
-from neurotouch_hid.source.events.enumeration import EventCameraInfo, list_plugged, needs_library
+from neurotouch_hid.source.events.enumeration import EventCameraInfo
 from neurotouch_hid.source.events.models import MODELS
+from neurotouch_hid.source.events.plugged import list_plugged, needs_library
 from neurotouch_hid.source.events.source import EventsStats
 from tests.source.events.fake_library import Camera, Library
 

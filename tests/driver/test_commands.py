@@ -35,7 +35,7 @@ DESCRIBED: Described = {
 }
 
 
-def make_commands(control, profiles, **surroundings):
+def make_commands(control, profiles, window=None, **surroundings):
     return Commands(
         control,
         profiles,
@@ -43,6 +43,7 @@ def make_commands(control, profiles, **surroundings):
         open_source("sim:tour", speed="max"),
         Surroundings(**surroundings),
         lambda: DESCRIBED,
+        window,
     )
 
 

@@ -21,6 +21,7 @@ from neurotouch_hid.driver.packet_feed import PacketFeed
 from neurotouch_hid.driver.people import People
 from neurotouch_hid.driver.profile_watch import ProfileWatch
 from neurotouch_hid.driver.surroundings import Surroundings
+from neurotouch_hid.driver.told_window import ToldWindow
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.players import find_socket
 from neurotouch_hid.printable import make_value_printable
@@ -38,6 +39,7 @@ QUESTIONS: Final[list[dict[str, Any]]] = [
     *({"command": each} for each in ("pause", "resume", "panic", "stop", "status", "record")),
     *({"command": "use", "profile": each} for each in ("racing", "nine", "/dev/zero", "/x")),
     {"command": "reload"},
+    {"command": "window", "profile": "racing", "window": "game is in front (sway)"},
     {"command": "settings", **_SETTINGS},
     {"command": "settings", "folder": "/home/x", "user": None, "profiles": {}},
 ]
@@ -83,7 +85,8 @@ class _Driver:
         around = Surroundings(people=seated if is_service else None, default="default")
         watch = ProfileWatch(Chosen("default", profile, user), control, around, lambda _new: None)
         source = open_source("sim:tour", speed="max")
-        commands = Commands(control, watch, PacketFeed(), source, around, lambda: DESCRIBED)
+        window = ToldWindow(seated.is_present, watch.follow) if is_service else None
+        commands = Commands(control, watch, PacketFeed(), source, around, lambda: DESCRIBED, window)
         self.path = find_socket(folder / "run")
         listener = ControlSocket(folder / "run")
         listener.serve(commands.answer)
@@ -100,6 +103,8 @@ class _Driver:
             listener.close()
             ended.set()
             pipeline.join()
+            if window is not None:
+                window.close()
             watch.close()
 
         atexit.register(close)

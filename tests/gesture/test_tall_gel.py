@@ -69,6 +69,17 @@ def test_a_push_is_one_contact_as_far_as_the_gel_goes(gel, centre, drag, knock_m
     assert gesture.intensity_mm == pytest.approx(far_mm, rel=0.09)
 
 
+<<<<<<< HEAD
+@pytest.mark.parametrize(("centre", "drag"), [((0.5, -4.0), (0.6, 7.1)), ((6.0, -6.5), (4.0, 3.7))])
+def test_a_push_that_presses_deep_is_one_contact(gel, centre, drag):
+    gesture, far_mm = play([centre], [(*drag, 0.0)], depth_mm=6.5)
+    assert gesture.kind is GestureKind.PUSH
+    assert len(gesture.contacts_mm) == 1
+    assert gesture.intensity_mm == pytest.approx(far_mm, rel=0.12)
+
+
+=======
+>>>>>>> parent of 3664f3a (gesture: gel that is pressed flows aside far from the finger, which it sticks to: a deep push on a tall gel was two contacts)
 def test_a_twist_is_as_far_as_the_gel_goes(gel):
     angle = 0.4
     centres = 11.0 * np.array([[1.0, 0.0], [-1.0, 0.0]])

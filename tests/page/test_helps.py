@@ -61,7 +61,6 @@ def open_keys(play):
     page, driver = play("")
     driver.tell(about=VIEW, outputs=GROUPS)
     page.locator("[data-movement=push_down] .row button").click()
-    page.select_option("#group-choice", "Keyboard")
     page.click("#key-catch")
     return page, driver
 

@@ -107,7 +107,13 @@ def test_the_mouse_gel_plays_the_favourite_if_there_is_one(tmp_path, chosen):
     assert ("push-only" if chosen else "spacecraft") in done.stderr + done.stdout
 
 
-SITUATION = {"kind": "no_right", "text": "Camera found but not readable.", "next": "", "mend": ""}
+SITUATION = {
+    "kind": "no_right",
+    "text": "Camera found but not readable.",
+    "next": "",
+    "mend": "",
+    "start": "",
+}
 
 
 @pytest.mark.parametrize(

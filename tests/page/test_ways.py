@@ -131,7 +131,7 @@ def test_the_keyboard_alone_binds_a_movement_and_a_screen_reader_hears_each_step
         ),
         ("button", "B"),
     ]
-    assert keys.count == 25
+    assert keys.count == 26
 
 
 def test_one_switch_binds_a_movement_and_flies(alone, open_page):
@@ -152,7 +152,7 @@ def test_one_switch_binds_a_movement_and_flies(alone, open_page):
     switch.go_to("#outputs button:nth-child(2)")
     switch.press("Enter")
     check_bound(alone, page)
-    assert switch.count == 32
+    assert switch.count == 33
     switch.go_to("#fly")
     switch.press("Enter")
     page.wait_for_selector("#gel-panel:not([hidden])")

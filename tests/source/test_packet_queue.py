@@ -29,6 +29,15 @@ def test_a_head_that_was_not_taken_in_time_is_forgotten():
     assert queue.take(0) is None
 
 
+def test_a_queue_is_empty_when_all_was_taken():
+    queue = PacketQueue(2)
+    assert queue.is_empty
+    queue.put(make(0))
+    assert not queue.is_empty
+    queue.take(0)
+    assert queue.is_empty
+
+
 def test_slices_that_come_at_once_find_room():
     queue = PacketQueue(2)
     queue.make_room(4)

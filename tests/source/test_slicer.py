@@ -74,6 +74,31 @@ def test_any_batching_gives_the_same_slices(origin, gaps, frame_offsets, cuts):
     assert all(p.events.dtype == EVENT_DTYPE for p in packets)
 
 
+@given(
+    origins,
+    st.lists(st.integers(0, 200), min_size=1, max_size=60),
+    st.lists(st.sampled_from([None, 20, 33, 100, 500]), min_size=1),
+    st.lists(st.integers(0, 100)),
+)
+def test_slices_in_parts_keep_the_grid_and_every_event(origin, gaps, parts, cuts):
+    stamps = [origin + int(t) for t in np.cumsum(gaps)]
+    slicer, packets = Slicer(SLICE_US, origin), []
+    for events, _ in batches_of(stamps, [], cuts):
+        for packet in slicer.push(events):
+            packets.append(packet)
+            slicer.part_us = parts[len(packets) % len(parts)]
+    packets += slicer.flush()
+    assert [t for p in packets for t in p.events["t"].tolist()] == stamps
+    part_us = None
+    for k, packet in enumerate(packets):
+        t = packet.events["t"]
+        assert ((packet.t_begin_us <= t) & (t < packet.t_end_us)).all()
+        left_us = SLICE_US - (packet.t_begin_us - origin) % SLICE_US
+        assert packet.t_end_us - packet.t_begin_us == min(part_us or left_us, left_us)
+        assert k == 0 or packet.t_begin_us == packets[k - 1].t_end_us
+        part_us = parts[(k + 1) % len(parts)]
+
+
 def test_hours_of_silence_are_skipped_on_the_same_grid():
     hour_us = 3_600_000_000
     packets = list(slice_recording([(events_at([5, 7 * hour_us]), ())], 10_000))

@@ -23,12 +23,12 @@ EXAMPLES = Path(__file__).parents[2] / "examples" / "streams"
 LIMIT_S = 120.0
 
 
-def find_pure_data() -> str:
-    """Pure Data's program; its test is skipped where there is none."""
-    found = shutil.which("pd")
+def find_program(name: str, package: str, required_by: str = "") -> str:
+    """Another program; its test is skipped where there is none."""
+    found = shutil.which(name)
     if found is None:
-        sentence = "no Pure Data here (Debian: apt install puredata-core)"
-        if os.environ.get("NEUROTOUCH_REQUIRE_PURE_DATA") == "1":
+        sentence = f"no {name} here (Debian: apt install {package})"
+        if os.environ.get(required_by) == "1":
             pytest.fail(f"it is required, but there is {sentence}")
         pytest.skip(sentence)
     return found
@@ -52,7 +52,7 @@ def playing(target):
 
 def test_pure_data_prints_the_strength():
     words = [
-        find_pure_data(),
+        find_program("pd", "puredata-core", "NEUROTOUCH_REQUIRE_PURE_DATA"),
         "-nogui",
         "-noaudio",
         "-nomidi",
@@ -72,6 +72,47 @@ def test_pure_data_prints_the_strength():
         pd.kill()
     assert "strength: 0.325" in said
     assert "gesture: symbol pinch" in said
+
+
+MAIN = """\
+extends SceneTree
+
+var gel: Spatial
+var frames := 0
+
+func _init() -> void:
+\tgel = load("res://gel.gd").new()
+\troot.add_child(gel)
+
+func _idle(_delta: float) -> bool:
+\tframes += 1
+\tif gel.translation.x == 0.0 and frames < 100000:
+\t\treturn false
+\tprint("moved: %.2f %.2f, turned: %.2f, scale: %.3f" % [
+\t\tgel.translation.x, gel.translation.z, gel.rotation.y, gel.scale.x])
+\tquit()
+\treturn false
+"""
+"""A program of Godot with nothing but the example's node."""
+
+
+def test_godot_3_moves_a_node(tmp_path):
+    godot = find_program("godot3-server", "godot3-server")
+    script = (EXAMPLES / "gel_godot3.gd").read_text()
+    with open_target(Address("websocket", "127.0.0.1", 0), markers=False) as target:
+        (tmp_path / "gel.gd").write_text(script.replace("ws://127.0.0.1:8765", target.name))
+        (tmp_path / "main.gd").write_text(MAIN)
+        (tmp_path / "project.godot").touch()
+        with playing(target):
+            said = subprocess.run(
+                [godot, "--path", str(tmp_path), "-s", "main.gd"],
+                env={**os.environ, "HOME": str(tmp_path), "XDG_DATA_HOME": str(tmp_path)},
+                capture_output=True,
+                check=True,
+                text=True,
+                timeout=LIMIT_S,
+            ).stdout
+    assert "moved: 0.05 -0.15, turned: -0.25, scale: 0.875" in said
 
 
 def test_lsl_is_recorded(tmp_path):

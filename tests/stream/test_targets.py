@@ -2,6 +2,7 @@
 
 import json
 import socket
+import struct
 import sys
 import time
 
@@ -175,6 +176,19 @@ def test_one_who_stops_hearing_does_not_hold_up_the_others(server):
             last = json.loads(send_until(server, sent, lambda: ear.recv(timeout=1.0)))
         waiting = max(each.transport.get_write_buffer_size() for each in server._server.connections)
     assert waiting < 128 * 1024
+
+
+def test_one_who_goes_without_a_goodbye_is_no_error(server, caplog):
+    for _ in range(2):
+        with connect(server.name) as line:
+            server.send(PINCH)
+            line.recv(5.0)
+            line.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            line.socket.shutdown(socket.SHUT_RDWR)
+    with connect(server.name) as line:
+        server.send(PINCH)
+        line.recv(5.0)
+    assert [record.getMessage() for record in caplog.records if record.levelname == "ERROR"] == []
 
 
 def test_a_port_that_is_taken_is_refused(server):

@@ -23,10 +23,30 @@ def test_motions_are_those_of_the_pairs(seed, n, m):
         assert n_pairs == len(sizes)
         wanted = sizes[max(len(sizes) - 1 - left_out, 0)] if sizes else 4.0
         assert largest == pytest.approx(wanted, rel=1e-12)
-    n_pairs, median = kernels.measure_median(before, now, 4.0, match)
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(0, 40), st.integers(0, 40))
+@settings(max_examples=50, deadline=None)
+def test_shared_motion_is_that_of_its_definition(seed, n, m):
+    rng = np.random.default_rng(seed)
+    before, now = rng.uniform(0, 30, (n, 2)), rng.uniform(0, 30, (m, 2))
+    match = np.empty(n, np.int32)
+    n_pairs, all_px, bent_px = kernels.measure_shared(before, now, 4.0, 9.0, match)
+    expected = reference.match_points(before.tolist(), now.tolist(), 4.0)
     assert match.tolist() == expected
-    assert n_pairs == len(sizes)
-    assert median == pytest.approx(np.median(sizes) if sizes else 4.0, rel=1e-12)
+    pairs = [(i, j) for i, j in enumerate(expected) if j >= 0]
+    assert n_pairs == len(pairs)
+    if not pairs:
+        assert all_px == bent_px == 4.0
+        return
+    place, moved = np.array([(before[i], now[j] - before[i]) for i, j in pairs]).transpose(1, 0, 2)
+    rest = moved - moved.mean(axis=0)
+    products = [
+        rest[i] @ rest[j] for i in range(len(place)) for j in range(i)
+        if np.hypot(*(place[i] - place[j])) < 9.0
+    ]  # fmt: skip
+    assert all_px == pytest.approx(np.hypot(*moved.mean(axis=0)), rel=1e-9)
+    assert bent_px**2 == pytest.approx(max(np.mean(products or [0.0]), 0.0), abs=1e-9)
 
 
 @given(st.lists(st.floats(0.0, 1e9), min_size=1, max_size=40))

@@ -140,6 +140,6 @@ rate_option = click.option(
     "rate_hz",
     type=Finite(min=25.0, max=1000.0),
     metavar="HZ",
-    show_default="250 of a camera, 100 (the paper's) of anything else",
+    show_default="a camera's 250, and 1000 while the gel moves; 100 (the paper's) of anything else",
     help="Updates of the gesture a second: more react sooner and cost more processor time.",
 )

@@ -6,6 +6,7 @@ from enum import StrEnum
 from typing import Any, Final
 
 from neurotouch_hid.doctor.directions import View, find_view
+from neurotouch_hid.doctor.finding import CheckStatus, Finding
 from neurotouch_hid.doctor.hello.meter import strongest
 from neurotouch_hid.doctor.hello.session import Session, Span
 from neurotouch_hid.geometry import count_turns
@@ -14,6 +15,7 @@ from neurotouch_hid.source.davis import registers as r
 from neurotouch_hid.source.davis.enumeration import SUPER_SPEED_MBIT_S
 from neurotouch_hid.vocabulary import SourceKind
 
+_TROUBLES: Final = (CheckStatus.FAILED, CheckStatus.WARNING)
 _LIKE: Final = 0.2
 """Difference up to which two figures count as the same."""
 _WELL: Final = 0.5
@@ -147,7 +149,12 @@ def _find_stroke(span: Span | None, kind: GestureKind) -> Any:
 
 
 def answer_all(
-    session: Session, kind: SourceKind, camera: Mapping[str, Any], *, is_simulated: bool
+    session: Session,
+    kind: SourceKind,
+    camera: Mapping[str, Any],
+    *,
+    is_simulated: bool,
+    stream: Finding | None = None,
 ) -> list[Answer]:
     """Returns the answers to all open questions of ``docs/hardware.md``, in its order.
 
@@ -156,13 +163,14 @@ def answer_all(
         kind: the kind of the source.
         camera: what the camera says of itself.
         is_simulated: a simulation answers nothing about hardware.
+        stream: what the doctor says of the data that came; None if it says nothing.
     """
     answers = [
         _answer_play(session),
         _answer_orientation(camera),
         _answer_mirror(session),
-        _answer_settings(session),
-        Answer("timing", Word.OPEN, "Latency and what the camera buffers were not measured here."),
+        _answer_settings(session, stream),
+        _answer_timing(camera),
         _answer_usb(session, camera),
         Answer("flush", Word.OPEN, "Whether the camera takes the flush (0xC6) is not noted here."),
         Answer("suspend", Word.OPEN, "The machine was not suspended."),
@@ -235,9 +243,26 @@ def _answer_mirror(session: Session) -> Answer:
     return Answer("mirrored", word, f"The gel is seen {' and '.join(faults)}. {fix}")
 
 
-def _answer_settings(session: Session) -> Answer:
+def _answer_timing(camera: Mapping[str, Any]) -> Answer:
+    lag_us = camera.get("stamp_to_driver_us")
+    sentence = "Latency and what the camera buffers were not measured here."
+    if lag_us:
+        sentence = (
+            f"A picture is here {1e-3 * lag_us:.1f} ms after its stamp. "
+            "What the camera does before the stamp was not measured."
+        )
+    return Answer("timing", Word.OPEN, sentence)
+
+
+def _answer_settings(session: Session, stream: Finding | None) -> Answer:
     figures = session.list_figures()
     score = session.score
+    if stream is not None and stream.status in _TROUBLES:
+        return Answer("settings", Word.NO, f"{stream.sentence} {stream.fix}".strip())
+    flicker = figures["flicker_hz"]
+    if flicker is not None:
+        sentence = f"The light flickers at {flicker:.0f} Hz. Use a lamp that is steady."
+        return Answer("settings", Word.NO, sentence)
     noise = figures["noise_hz_per_px"]
     if noise is not None and noise > _MOST_NOISE_HZ:
         sentence = f"The sensor is noisy: {noise:.1f} events/s per pixel at rest."
@@ -246,7 +271,10 @@ def _answer_settings(session: Session) -> Answer:
         return Answer("settings", Word.OPEN, "There were no frames to judge.")
     if score.advice:
         return Answer("settings", Word.NO, f"They do not suit yet: {score.advice}")
-    return Answer("settings", Word.YES, "Light, focus and noise are in order with them.")
+    sentence = "Light, focus and noise are in order with them."
+    if stream is not None:
+        sentence = f"{sentence} {stream.sentence}"
+    return Answer("settings", Word.YES, sentence)
 
 
 def _answer_usb(session: Session, camera: Mapping[str, Any]) -> Answer:

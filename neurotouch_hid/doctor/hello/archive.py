@@ -4,15 +4,19 @@ import csv
 import io
 import json
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
 
 from neurotouch_hid import __version__
 from neurotouch_hid.doctor.bug_report import list_rules, make_cleaner
+from neurotouch_hid.doctor.finding import Finding
 from neurotouch_hid.doctor.hello.answers import answer_all, compare
+from neurotouch_hid.doctor.hello.rig_fitting import fit_rig_settings
+from neurotouch_hid.doctor.hello.rig_settings import FILE, GEL_FILE
 from neurotouch_hid.doctor.hello.session import Session, Span
+from neurotouch_hid.driver.gel_settings import GelFile
 from neurotouch_hid.partial_file import PartialFile
 from neurotouch_hid.vocabulary import SourceKind
 
@@ -35,6 +39,7 @@ def make_report(
     *,
     is_simulated: bool,
     secrets: Iterable[str] = (),
+    stream: Finding | None = None,
 ) -> dict[str, Any]:
     """Returns all that is known of a rig, ready for JSON and for publication.
 
@@ -44,9 +49,10 @@ def make_report(
         camera: what the camera says of itself.
         is_simulated: nothing of it comes from a sensor.
         secrets: serial numbers.
+        stream: what the doctor says of the data that came; None if it says nothing.
     """
     figures = session.list_figures()
-    answers = answer_all(session, kind, camera, is_simulated=is_simulated)
+    answers = answer_all(session, kind, camera, is_simulated=is_simulated, stream=stream)
     report = {
         "version": _VERSION,
         "program": f"neurotouch-hid {__version__}",
@@ -64,6 +70,44 @@ def make_report(
     return {**cleaned, "left_out": list(LEFT_OUT)}
 
 
+def make_settings(
+    session: Session,
+    gel: GelFile | None,
+    camera: Mapping[str, Any] | None = None,
+    *,
+    is_simulated: bool,
+) -> dict[str, str]:
+    """Returns the texts with which the simulator makes more like this rig, by their names.
+
+    Args:
+        session: what was measured.
+        gel: the gel's file; None for the gel of the paper.
+        camera: what the camera says of itself.
+        is_simulated: the rig was a simulation.
+
+    Returns:
+        The settings, and the gel without its comments and without the part about making it. Empty
+        if nothing was measured.
+    """
+    seen, figures = session.gel, session.list_figures()
+    if camera and camera.get("exposure_us", 0) is None:  # the driver has then assumed one
+        figures["exposure_us"] = None
+    settings = fit_rig_settings(
+        figures,
+        seen.layout,
+        seen.missing,
+        has_events=session.has_events,
+        is_simulated=is_simulated,
+    )
+    if settings is None:
+        return {}
+    texts = {FILE: settings.format()}
+    if gel is not None:
+        plain = gel.settings.model_dump(mode="json", exclude_unset=True, exclude={"making"})
+        texts[GEL_FILE] = f"{json.dumps(plain, indent=1)}\n"
+    return texts
+
+
 def format_prompts(spans: Iterable[Span]) -> str:
     """Returns the weak labels as CSV: a row for each prompt, with its sensor time in µs."""
     text = io.StringIO(newline="")
@@ -76,7 +120,11 @@ def format_prompts(spans: Iterable[Span]) -> str:
 
 
 def write_archive(
-    path: Path, report: dict[str, Any], spans: Iterable[Span], recording: Path
+    path: Path,
+    report: dict[str, Any],
+    spans: Iterable[Span],
+    recording: Path,
+    settings: Mapping[str, str] | None = None,
 ) -> None:
     """Writes the file, whole or not at all.
 
@@ -85,6 +133,7 @@ def write_archive(
         report: the report.
         spans: what the person was asked for.
         recording: the recording; it keeps only its ending.
+        settings: the texts with which the simulator makes more like it, by their names.
 
     Raises:
         OSError: it cannot be written.
@@ -93,6 +142,8 @@ def write_archive(
         text = json.dumps(report, indent=2, allow_nan=False, default=float) + "\n"
         _add(archive, "hello.json", text)
         _add(archive, "prompts.csv", format_prompts(spans))
+        for name, content in (settings or {}).items():
+            _add(archive, name, content)
         # ZipInfo without a time: that of the file would tell when this was.
         info = zipfile.ZipInfo(f"recording{recording.suffix}")
         info.file_size = recording.stat().st_size

@@ -3,10 +3,15 @@
 from pathlib import Path
 from typing import Any, Final
 
+from neurotouch_hid.doctor.event_cameras import judge_events
+from neurotouch_hid.doctor.finding import Finding
+from neurotouch_hid.doctor.video import judge_pictures
+from neurotouch_hid.geometry import Gel
 from neurotouch_hid.source import SizedSource, Source
 from neurotouch_hid.source.davis import CameraInfo, choose_camera, find_cameras
 from neurotouch_hid.source.davis.camera import read_registers
 from neurotouch_hid.source.davis.enumeration import SYSFS
+from neurotouch_hid.source.events.source import EventCameraSource
 from neurotouch_hid.source.video.capture import CaptureDevice
 from neurotouch_hid.source.video.controls import CONTROLS
 from neurotouch_hid.source.video.live import VideoCameraSource
@@ -52,6 +57,53 @@ def read_opened(source: Source, linux: Linux | None = None) -> dict[str, Any]:
         sensor = source.sensor
         return {"name": sensor.name, "width_px": sensor.width_px, "height_px": sensor.height_px}
     return {}
+
+
+def read_stream(source: Source) -> dict[str, Any]:
+    """Returns how a camera other than a DAVIS has sent its data; empty of no camera.
+
+    Call it while the camera is open, after it has played.
+    """
+    if isinstance(source, VideoCameraSource):
+        stats = source.stats()
+        mode = stats.mode
+        return {
+            "mode": None if mode is None else f"{mode.fourcc} {mode.width}x{mode.height}",
+            "stated_hz": None if mode is None else round(mode.fps, 2),
+            "pictures_hz": round(stats.fps, 2),
+            "exposure_us": stats.exposure_us,
+            "not_fixed": list(stats.lacking),
+            "pictures": stats.n_pictures,
+            "pictures_lost": stats.n_lost,
+            "pictures_damaged": stats.n_damaged,
+            "pictures_unstamped": stats.n_unstamped,
+            "stamp_to_driver_us": round(stats.latency_us),
+        }
+    if isinstance(source, EventCameraSource):
+        counts = source.stats()
+        return {
+            "events": counts.n_events,
+            "events_shown": counts.n_shown,
+            "overflows": counts.n_lost,
+            "limited_us": counts.limited_us,
+            "restarts": counts.n_restarts,
+        }
+    return {}
+
+
+def judge_stream(source: Source, gel: Gel, seconds: float) -> Finding | None:
+    """Returns what the doctor says of the data that a camera has sent; None of a DAVIS, or of none.
+
+    Args:
+        source: the camera, after it has played.
+        gel: the gel before it.
+        seconds: for how long it has played.
+    """
+    if isinstance(source, VideoCameraSource):
+        return judge_pictures(source.name, source.stats(), gel)
+    if isinstance(source, EventCameraSource):
+        return judge_events(source.name, source.stats(), seconds)
+    return None
 
 
 def _read_descriptors(info: CameraInfo, sysfs: Path) -> str:

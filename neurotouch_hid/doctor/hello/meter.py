@@ -18,12 +18,15 @@ from neurotouch_hid.messages import (
     Step,
     no_gesture,
 )
+from neurotouch_hid.source.simulator.nuisances.chip import READ_EVENTS, READ_GREY_DN, SWEEP_US
 from neurotouch_hid.tracker import BlobFinder
 
 REST_US: Final = 5_000_000
 """Rest that gives steady figures; what comes after it may be the beginning of a touch."""
 _SETTLED_US: Final = 800_000
 """A gel without a gesture for this long has come back as far as it does at once."""
+_SAME_STROKE_US: Final = 200_000
+"""A gesture that is back after less than this is the same stroke."""
 LEAST_MM: Final = 1.5
 """A weaker gesture is no stroke."""
 _FAST_PX_S: Final = 20.0
@@ -34,6 +37,10 @@ _SAME: Final = 0.45
 """Of the pitch: a dot this near to a place is the one of this place."""
 _READOUT_US: Final = 2_000
 """After an edge of a frame's exposure; events of the readout come within it."""
+_LEAST_DN: Final = 10.0
+_LEAST_LIT: Final = 1_000
+_CERTAIN: Final = 4.0
+"""Standard deviations by which events of the readout must be more than noise."""
 _HOT_HZ: Final = 20.0
 _RIM: Final = 0.85
 """Of the gel's radius: dots beyond it are the rim's."""
@@ -101,10 +108,11 @@ class RestMeter:
         self.frames: deque[Frame] = deque(maxlen=_N_FRAMES)
         self._n_on = self._n_frames = 0
         self._counts = np.zeros(SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX, np.int64)
+        self._counts_on = np.zeros_like(self._counts)
         self._sum = np.zeros((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX))
         self._squares = np.zeros_like(self._sum)
         self._stamps: list[NDArray[np.int64]] = []
-        self._edges_us: list[int] = []
+        self._exposures_us: list[tuple[int, int]] = []
 
     def take(self, packet: EventPacket) -> None:
         """Counts a slice; after five seconds, no more."""
@@ -117,42 +125,100 @@ class RestMeter:
             self._n_on += int(events["p"].sum())
             at = events["y"].astype(np.int64) * SENSOR_WIDTH_PX + events["x"]
             np.add.at(self._counts, at, 1)
+            np.add.at(self._counts_on, at[events["p"] != 0], 1)
             self._stamps.append(events["t"].astype(np.int64))
         for frame in packet.frames:
             self.frames.append(frame)
             self._n_frames += 1
             self._sum += frame.pixels
             self._squares += np.square(frame.pixels.astype(np.float64))
-            self._edges_us += [frame.exposure_begin_us, frame.exposure_end_us]
+            self._exposures_us.append((frame.exposure_begin_us, frame.exposure_end_us))
+
+    @property
+    def picture(self) -> NDArray[np.float64] | None:
+        """The mean of all frames, (260, 346) float64; None without frames."""
+        return self._sum / self._n_frames if self._n_frames else None
 
     def list_figures(self) -> dict[str, float | None]:
         """Returns the figures; None for what this source cannot show."""
         seconds, n_pixels = self.seconds, self._counts.size
-        noise = hot = on = readout = grey = None
+        noise = hot = hot_hz = on = readout = grey = exposure = period = None
+        if self._n_frames > 1:
+            exposures = np.array(self._exposures_us, np.int64)
+            exposure = float(np.median(exposures[:, 1] - exposures[:, 0]))
+            period = float(np.median(np.diff(exposures[:, 0])))
         if self.n_events and seconds:
             is_hot = self._counts > _HOT_HZ * seconds
             hot = float(is_hot.sum())
+            hot_hz = float(self._counts[is_hot].mean() / seconds) if is_hot.any() else None
             noise = float(self._counts[~is_hot].mean() / seconds)
             on = self._n_on / self.n_events
             readout = self._measure_readout()
-        if self._n_frames > 1:
-            mean = self._sum / self._n_frames
-            spread = np.sqrt(np.maximum(self._squares / self._n_frames - mean**2, 0.0))
-            grey = float(np.median(spread) * (self._n_frames / (self._n_frames - 1)) ** 0.5)
+        picture = self.picture
+        if self._n_frames > 1 and picture is not None:
+            spread = np.sqrt(np.maximum(self._squares / self._n_frames - picture**2, 0.0))
+            lit = spread[picture >= _LEAST_DN]  # a darker pixel is cut at 0 and looks quiet
+            if len(lit) < _LEAST_LIT:
+                lit = spread
+            grey = float(np.median(lit) * (self._n_frames / (self._n_frames - 1)) ** 0.5)
         return {
             "seconds": seconds,
             "frames_hz": self._n_frames / seconds if seconds else None,
             "events_hz": self.n_events / seconds if seconds and self.n_events else None,
             "noise_hz_per_px": noise,
             "hot_pixels": hot if n_pixels else None,
+            "hot_hz": hot_hz,
             "on_share": on,
             "readout_ratio": readout,
+            **self._measure_quiet(),
             "frame_noise_dn": grey,
+            "frame_period_us": period,
+            "exposure_us": exposure,
         }
+
+    def _measure_quiet(self) -> dict[str, float | None]:
+        """Returns the noise without hot pixels and readouts, and the events of the readouts.
+
+        A DAVIS reads a frame row by row, in a sweep before its exposure and one after it. Both make
+        ON events, which are compared with those of another DAVIS-346 that saw the same picture.
+        """
+        names = ("quiet_on_hz_per_px", "quiet_off_hz_per_px", "readout_times")
+        if not self.n_events or not self.seconds:
+            return dict.fromkeys(names)
+        quiet = self._counts <= _HOT_HZ * self.seconds
+        n_on, n_off = self._counts_on[quiet].sum(), (self._counts - self._counts_on)[quiet].sum()
+        n_read, times = self._count_readout()
+        per_pixel_hz = float(quiet.sum()) * self.seconds
+        rates = (max(n_on - n_read, 0.0) / per_pixel_hz, n_off / per_pixel_hz, times)
+        return dict(zip(names, rates, strict=True))
+
+    def _count_readout(self) -> tuple[float, float | None]:
+        """Returns the number of events of readouts, and how many times the known one this is.
+
+        0 and None where they are too few to be told from noise, or nothing is left to compare with.
+        """
+        picture = self.picture
+        if picture is None:
+            return 0.0, None
+        exposures = np.array(self._exposures_us, np.float64)
+        sweeps = np.sort(np.concatenate([exposures[:, 0] - SWEEP_US, exposures[:, 1]]))
+        stamps = np.concatenate(self._stamps)
+        behind = np.searchsorted(sweeps, stamps, "right") - 1
+        n_in = int(((behind >= 0) & (stamps - sweeps[behind] < SWEEP_US)).sum())
+        in_s = 1e-6 * SWEEP_US * len(sweeps)
+        out_s = self.seconds - in_s
+        if out_s < 0.1 * self.seconds:
+            return 0.0, None
+        usual = (len(stamps) - n_in) / out_s * in_s
+        more = n_in - usual
+        if more < _CERTAIN * (usual * (1.0 + in_s / out_s)) ** 0.5:
+            return 0.0, None
+        known = len(sweeps) * float(np.interp(picture, READ_GREY_DN, READ_EVENTS).sum())
+        return more, more / known
 
     def _measure_readout(self) -> float | None:
         """Returns how much denser events are just after the edges of exposures than elsewhere."""
-        edges = np.sort(np.array(self._edges_us, np.int64))
+        edges = np.sort(np.array(self._exposures_us, np.int64).ravel())
         if not len(edges):
             return None
         stamps = np.concatenate(self._stamps)
@@ -184,7 +250,7 @@ class MotionMeter:
         self._peak_px = np.zeros((gel.n_markers, 2))
         self._kept: list[float] = []
         self._rim: list[float] = []
-        self._is_pending = False
+        self._is_pending, self._quiet_us = False, 0
         radius = np.hypot(*gel.points_mm.T)
         self._is_rim: NDArray[np.bool_] = np.asarray(radius > _RIM * radius.max())
 
@@ -210,7 +276,7 @@ class MotionMeter:
             return
         self._count_events(step)
         if step.gesture.kind is not GestureKind.NONE:
-            if not self._is_pending:
+            if not self._is_pending or self._quiet_us > _SAME_STROKE_US:
                 self._peak_px[:] = 0.0
             self._is_pending = True
             moved = np.where(markers.valid[:, None], markers.position_px - self._home_px, 0.0)
@@ -218,6 +284,7 @@ class MotionMeter:
             self._peak_px[larger] = moved[larger]
         elif self._is_pending and quiet_us >= _SETTLED_US:
             self._note_return(step)
+        self._quiet_us = quiet_us
 
     def list_figures(self) -> dict[str, float | None]:
         """Returns the figures; None for what was not seen."""

@@ -1,12 +1,17 @@
 """The guided minutes: prompts that wait for the person, and what is measured in each."""
 
+import math
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from neurotouch_hid.doctor.gel import Seen, examine_frames
 from neurotouch_hid.doctor.gel_score import GelScore, score_gel
+from neurotouch_hid.doctor.hello.dot_light import measure_dot_light
 from neurotouch_hid.doctor.hello.meter import (
     REST_US,
     MotionMeter,
@@ -15,8 +20,9 @@ from neurotouch_hid.doctor.hello.meter import (
     StrokeFinder,
 )
 from neurotouch_hid.gel_making.plan import Plan
-from neurotouch_hid.messages import Frame, GelState, GestureKind, Step
-from neurotouch_hid.source.view import View
+from neurotouch_hid.geometry import Rig, fit_rig
+from neurotouch_hid.messages import SENSOR_HEIGHT_PX, Frame, GelState, GestureKind, Step
+from neurotouch_hid.source.view import MIDDLE_PX, View
 
 LIGHT: Final = "light"
 REST: Final = "rest"
@@ -110,6 +116,8 @@ class Session:
         spans: what is done.
         score: light and focus, as they were judged last; None before the first frames.
         gel: the gel as it was seen last.
+        has_events: the source sends events.
+        rig: where the gel was in the canonical picture at rest; None before.
         n_prompts: number of prompts.
         begin_us, end_us: sensor time so far; None before the first slice.
         n_lost: events that were lost during movements; judging a picture at rest may cost some.
@@ -126,6 +134,8 @@ class Session:
         self.spans: list[Span] = []
         self.score: GelScore | None = None
         self.gel = GelState(layout=plan.gel)
+        self.has_events = False
+        self.rig: Rig | None = None
         self.begin_us: int | None = None
         self.end_us = 0
         self.n_lost = 0
@@ -140,6 +150,8 @@ class Session:
         self._asked_us = self._judged_us = 0
         self._said = ""
         self._step: Step | None = None
+        self._view: View | None = None
+        self._rest_px: NDArray[np.float32] | None = None
 
     @property
     def prompt(self) -> Prompt | None:
@@ -170,8 +182,9 @@ class Session:
         packet = step.packet
         if self.begin_us is None:
             self.begin_us = self._asked_us = packet.t_begin_us
-        self.end_us, self._step, self.gel = packet.t_end_us, step, step.gel
+        self.end_us, self._step, self.gel, self._view = packet.t_end_us, step, step.gel, view
         self._frames += packet.frames
+        self.has_events |= len(packet.events) > 0
         stroke = self._finder.take(step)
         prompt = self.prompt
         if prompt is None:
@@ -198,6 +211,7 @@ class Session:
         prompt = self._left.popleft()
         if prompt.key == REST and self._step is not None and self._rest.seconds >= _LEAST_REST_S:
             self._motion.set_home(self._step)
+            self._note_place(self._step)
         strokes = tuple(self._strokes)
         self.spans.append(Span(prompt, self._asked_us, self.end_us, strokes, is_skipped))
         self._begin()
@@ -221,6 +235,7 @@ class Session:
         return {
             **self._rest.list_figures(),
             **self._motion.list_figures(),
+            **self._measure_place(),
             "px_per_mm": gel.px_per_mm,
             "rotation_deg": gel.rotation_deg,
             "blur_px": gel.blur_px,
@@ -229,6 +244,34 @@ class Session:
             "tremble_mm": light.get("noise_mm"),
             "dots_missing": float(len(gel.missing)) if gel.is_found else None,
             "lost_events": float(self.n_lost),
+        }
+
+    def _note_place(self, step: Step) -> None:
+        """Notes where the dots are, before anything touches them."""
+        if step.gel.is_found:
+            self._rest_px = step.markers.rest_px.copy()
+            self.rig = fit_rig(self._rest_px, self._plan.gel)
+
+    def _measure_place(self) -> dict[str, float | None]:
+        """Returns where the gel was, in a picture 260 px high, and how bright it was.
+
+        The scale and the turn of a video camera are those of its own picture, which the canonical
+        one no longer shows.
+        """
+        rig, picture = self.rig, self._rest.picture
+        names = ("centre_x_px", "centre_y_px", "fitted_px_per_mm", "fitted_turn_deg")
+        if rig is None:
+            return dict.fromkeys((*names, "dot_dn", "ground_dn", "peak_dn"))
+        dots = None
+        if picture is not None and self._rest_px is not None:
+            dots = measure_dot_light(picture, self._rest_px, rig.px_per_mm, self._plan.gel)
+        place = _place_in_camera(rig, self._view)
+        values = (*place.centre_px, place.px_per_mm, math.degrees(place.rotation_rad))
+        return {
+            **dict(zip(names, values, strict=True)),
+            "dot_dn": None if dots is None else dots.dot_dn,
+            "ground_dn": None if dots is None else dots.ground_dn,
+            "peak_dn": None if dots is None else dots.peak_dn,
         }
 
     def _begin(self) -> None:
@@ -270,3 +313,21 @@ class Session:
         seen = Seen(self._source, seconds, 0, 0, frames, is_video=view is not None, view=view)
         state = examine_frames(frames, self._plan.gel).state
         self.score = score_gel(seen, state, self._plan, planned=False)
+
+
+def _place_in_camera(rig: Rig, view: View | None) -> Rig:
+    """Returns where the gel is in the camera's own picture, as if that were 260 px high."""
+    if view is None:
+        return rig
+    points = view.to_sensor(rig.to_px(np.array([(0.0, 0.0), (1.0, 0.0)])))
+    shrunk = SENSOR_HEIGHT_PX / view.height_px
+    middle = np.array([view.width_px - 1, view.height_px - 1]) / 2.0
+    centre = (points[0] - middle) * shrunk + MIDDLE_PX
+    right = points[1] - points[0]
+    if view.mirrored:  # all later stages see it flipped, so here is it flipped, too
+        centre[0], right[0] = 2.0 * MIDDLE_PX[0] - centre[0], -right[0]
+    return Rig(
+        (float(centre[0]), float(centre[1])),
+        float(np.hypot(*right)) * shrunk,
+        math.atan2(right[1], right[0]),
+    )

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import takewhile
 from typing import Final
@@ -46,16 +46,22 @@ class LoopScene:
 
 
 @cache
-def load_scene(name: str, slice_us: int, length_us: int = TOUR_US) -> LoopScene:
+def load_scene(
+    name: str, slice_us: int, length_us: int = TOUR_US, *, is_noisy: bool = True
+) -> LoopScene:
     """Returns the first slices of a scene of the simulator.
 
     Args:
         name: name of the scene.
         slice_us: length of a slice.
         length_us: length of all slices together.
+        is_noisy: with the noise of the sensor; without, only light that changes makes events.
     """
     packets, markers = [], []
-    with Simulator(find_scene(name), scene_config(name), slice_us=slice_us) as simulator:
+    config = scene_config(name)
+    if not is_noisy:
+        config = replace(config, sensor=replace(config.sensor, shot_hz=0.0, leak_hz=0.0))
+    with Simulator(find_scene(name), config, slice_us=slice_us) as simulator:
         for packet in takewhile(lambda packet: packet.t_end_us <= length_us, simulator):
             packets.append(packet)
             markers.append(simulator.truth(packet.t_begin_us + slice_us // 2).markers_px)

@@ -17,7 +17,7 @@ from neurotouch_hid.source.davis.stream import Stream
 from neurotouch_hid.source.davis.stream_check import OutOfStepError
 from neurotouch_hid.source.davis.transport import Transport
 from neurotouch_hid.source.davis.usb import Usb
-from neurotouch_hid.source.idle import IdleMerger
+from neurotouch_hid.source.slice_pacer import SlicePacer
 
 _ANY_WORD: Final = b"\x01\x00"
 
@@ -74,6 +74,8 @@ class DavisSource(CameraSource):
             or another one that is present when the first is gone.
         config: how it is set up.
         slice_us: length of a slice.
+        part_us: length of the parts in which slices come while the gel moves; without, they come
+            whole.
         wait: a camera need not be there yet.
         max_delay_us: slices that wait longer for the pipeline are dropped: old data moves no stick.
         cameras: where they come from.
@@ -94,6 +96,7 @@ class DavisSource(CameraSource):
         config: DavisConfig | None = None,
         *,
         slice_us: int = 10_000,
+        part_us: int | None = None,
         wait: bool = False,
         max_delay_us: int = MAX_DELAY_US,
         cameras: Cameras | None = None,
@@ -104,8 +107,8 @@ class DavisSource(CameraSource):
         self._cameras = cameras or Usb()
         self._sleep_s = sleep_s
         self._chosen = self._serial = serial
-        self._slice_us = slice_us
-        self._merger = IdleMerger()
+        self._slice_us, self._part_us = slice_us, part_us
+        self._pacer = SlicePacer(slice_us)
         self._wants_frames = True
         self._stream: Stream | None = None
         self._n_restarts = 0
@@ -116,7 +119,7 @@ class DavisSource(CameraSource):
 
     def set_activity(self, *, is_idle: bool, wants_frames: bool = True) -> None:
         """Sets whether idle slices may be merged, and partial slices delivered early."""
-        self._merger.is_idle, self._wants_frames = is_idle, wants_frames
+        self._pacer.is_idle, self._wants_frames = is_idle, wants_frames
 
     @property
     def n_restarts(self) -> int:
@@ -197,7 +200,7 @@ class DavisSource(CameraSource):
                 self._config,
                 self._slice_us,
                 self._hand_over,
-                lambda: self._merger.is_calm and not self._wants_frames,
+                lambda: self._pacer.is_calm and not self._wants_frames,
                 self._stream,
             )
             self._note_start(self._stream.end_us)
@@ -206,14 +209,20 @@ class DavisSource(CameraSource):
             camera.stop()
             camera.transport.close()
 
-    def _hand_over(self, packet: EventPacket) -> None:
+    def _hand_over(self, packet: EventPacket) -> int | None:
+        """Queues a slice, and returns in which parts the next ones come.
+
+        A pipeline that is behind catches up sooner with whole slices.
+        """
         if packet.is_partial:
-            if self._merger.takes_partials:
+            if self._pacer.takes_partials:
                 self._queue.offer(packet)
-            return
-        for whole in self._merger.take(packet):
+            return None
+        is_behind = not self._queue.is_empty
+        for whole in self._pacer.take(packet):
             self._queue.put(whole)
         self._note_progress(packet.t_end_us)
+        return self._part_us if self._pacer.is_moving and not is_behind else None
 
     def _note(self, error: CameraError) -> None:
         self._n_restarts += isinstance(error, OutOfStepError)

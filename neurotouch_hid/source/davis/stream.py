@@ -25,7 +25,8 @@ PUMP_S: Final = 0.05
 AWAKE_US: Final = 600
 """Time before the end of a slice in which data is read as it arrives. Earlier data waits until
 then, because waking up for each transfer takes half as much processor time again. This time is
-enough to read the waiting data, in 0.4 ms at 5 million events/s, even if the thread wakes late."""
+enough to read the waiting data, in 0.4 ms at 5 million events/s, even if the thread wakes late.
+Of a short slice less waits, so a quarter of its length is enough."""
 MAX_PARTIAL_EVENTS: Final = 8_000
 """Largest number of events in a partial slice: at 4 ms, 2 million events/s. Copying more would
 delay the slice by as much as the pipeline gains."""
@@ -54,7 +55,8 @@ class Stream:
         camera: the camera.
         config: how it was set up.
         slice_us: length of a slice.
-        put: takes the slices, and a partial slice shortly before the end of each.
+        put: takes the slices or their parts, and a partial slice shortly before the end of each
+            whole one; returns the length of the parts in which the next ones come, or None.
         may_idle: returns True if nothing happens and a few frames a second are enough.
         before: the stream that this one continues, later by the time between them.
 
@@ -73,7 +75,7 @@ class Stream:
         camera: Camera,
         config: DavisConfig,
         slice_us: int,
-        put: Callable[[EventPacket], object],
+        put: Callable[[EventPacket], int | None],
         may_idle: Callable[[], bool],
         before: "Stream | None" = None,
     ) -> None:
@@ -85,7 +87,8 @@ class Stream:
         self.end_us = self.n_faults = self.n_dropped = self._gap = 0
         if before is not None:
             away_us = int(1e6 * (self.heard_s - before.heard_s))
-            self.end_us = before.end_us + (away_us // slice_us + 1) * slice_us
+            slices_away = -(-before.end_us // slice_us) + away_us // slice_us + 1
+            self.end_us = slices_away * slice_us
             self.n_faults, self.n_dropped = before.n_faults, before.n_dropped
             self._gap = 1  # at least
         layout = camera.layout._replace(mirrored=config.mirrored)
@@ -165,8 +168,9 @@ class Stream:
         """Returns how long after the last word no data is needed, in seconds."""
         if self._is_idle:
             return 1e-6 * CALM_REST_US
-        left_us = self.end_us + self._slice_us - self._decoder.now_us
-        return 1e-6 * min(left_us - AWAKE_US, MOST_REST_US)
+        length_us = self._slicer.length_us
+        left_us = self.end_us + length_us - self._decoder.now_us
+        return 1e-6 * min(left_us - min(AWAKE_US, length_us // 4), MOST_REST_US)
 
     def _pump(self, rest_until_s: float) -> None:
         try:
@@ -207,16 +211,16 @@ class Stream:
 
     def _deliver(self, packet: EventPacket) -> None:
         self.end_us = packet.t_end_us
-        self._put(replace(packet, gap=self._gap) if self._gap else packet)
+        self._slicer.part_us = self._put(replace(packet, gap=self._gap) if self._gap else packet)
         self._gap = 0
 
     def _deliver_partial(self) -> None:
         """Delivers one partial slice for each slice, once its end is near."""
-        now_us = self._decoder.now_us
+        now_us, length_us = self._decoder.now_us, self._slicer.length_us
         if (
             self._partial_us == self.end_us
-            or now_us < self.end_us + self._slice_us - AWAKE_US
-            or self._slice_us < SHORTEST_US
+            or now_us < self.end_us + length_us - AWAKE_US
+            or length_us < SHORTEST_US
         ):
             return
         partial = self._slicer.partial(now_us, MAX_PARTIAL_EVENTS)

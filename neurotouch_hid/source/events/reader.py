@@ -34,7 +34,8 @@ class PacketReader:
         view: the map from the camera's picture.
         slice_us: length of a slice.
         begin_us: the stream's time at the camera's first.
-        put: takes the slices.
+        put: takes the slices; returns the length of the parts in which the next ones come, or
+            None.
         max_events_per_s: the camera drops events beyond; 0 if it does not.
         keeps_size: the slices are in the camera's own pixels.
         clock_s: the host's clock.
@@ -52,7 +53,7 @@ class PacketReader:
         view: View,
         slice_us: int,
         begin_us: int,
-        put: Callable[[EventPacket], object],
+        put: Callable[[EventPacket], int | None],
         *,
         max_events_per_s: int = 0,
         keeps_size: bool = False,
@@ -136,7 +137,9 @@ class PacketReader:
     def _deliver(self, packets: Iterator[EventPacket]) -> None:
         for packet in packets:
             self.end_us = packet.t_end_us
-            self._put(replace(packet, gap=self._gap) if self._gap else packet)
+            self._slicer.part_us = self._put(
+                replace(packet, gap=self._gap) if self._gap else packet
+            )
             self._gap = 0
 
 

@@ -17,13 +17,13 @@ from neurotouch_hid.source.events.enumeration import (
     EventCameraInfo,
     choose_event_camera,
     find_event_cameras,
-    list_plugged,
 )
 from neurotouch_hid.source.events.gel_place import find_region, place_gel
 from neurotouch_hid.source.events.library import Device, Library, Status, load_library
 from neurotouch_hid.source.events.models import make_configuration, make_ring
+from neurotouch_hid.source.events.plugged import list_plugged
 from neurotouch_hid.source.events.reader import ClockJumpError, PacketReader
-from neurotouch_hid.source.idle import IdleMerger
+from neurotouch_hid.source.slice_pacer import SlicePacer
 from neurotouch_hid.source.strobe.decoder import Strobe
 from neurotouch_hid.source.view import View
 
@@ -74,6 +74,8 @@ class EventCameraSource(CameraSource):
         config: how it is set up.
         gel: the gel that it sees.
         slice_us: length of a slice.
+        part_us: length of the parts in which slices come while the gel moves; without, they come
+            whole.
         wait: a camera need not be there yet.
         max_delay_us: data that waits longer is thrown away: old data moves no stick.
         library: the library, or what behaves like it.
@@ -92,6 +94,7 @@ class EventCameraSource(CameraSource):
         *,
         gel: Gel = PAPER_GEL,
         slice_us: int = 10_000,
+        part_us: int | None = None,
         wait: bool = False,
         max_delay_us: int = MAX_DELAY_US,
         library: Library | None = None,
@@ -103,7 +106,7 @@ class EventCameraSource(CameraSource):
         self._chosen, self._config, self._gel = camera, config or EventsConfig(), gel
         self._slice_us, self._max_delay_s = slice_us, 1e-6 * max_delay_us
         self._clock_s = clock_s
-        self._merger = IdleMerger()
+        self._pacer, self._part_us = SlicePacer(slice_us), part_us
         strobe = self._config.strobe
         self._strobe = None if strobe is None else Strobe(strobe)
         self._info: EventCameraInfo | None = None
@@ -123,7 +126,7 @@ class EventCameraSource(CameraSource):
 
     def set_activity(self, *, is_idle: bool, wants_frames: bool = True) -> None:  # noqa: ARG002
         """Sets whether idle slices may be merged."""
-        self._merger.is_idle = is_idle
+        self._pacer.is_idle = is_idle
 
     @property
     def sensor(self) -> Sensor | None:
@@ -250,7 +253,8 @@ class EventCameraSource(CameraSource):
         if self._reader is None:
             return 0, 0
         away_us = int(1e6 * (self._clock_s() - self._ended_s))
-        return self._reader.end_us + (away_us // self._slice_us + 1) * self._slice_us, 1
+        n_before = -(-self._reader.end_us // self._slice_us)
+        return (n_before + away_us // self._slice_us + 1) * self._slice_us, 1
 
     def _run(self, device: Device, reader: PacketReader) -> None:
         """Hands over the slices of a camera until it fails or the source is closed."""
@@ -291,12 +295,20 @@ class EventCameraSource(CameraSource):
                 self._config.max_events_per_s,
             )
 
-    def _hand_over(self, packet: EventPacket) -> None:
+    def _hand_over(self, packet: EventPacket) -> int | None:
+        """Queues a slice, and returns in which parts the next ones come, as ``DavisSource`` does.
+
+        A strobe is found by whole slices.
+        """
+        is_behind = not self._queue.is_empty
         if self._strobe is not None and not self._keeps_size:
             packet = self._strobe.take(packet)
-        for whole in self._merger.take(packet):
+        for whole in self._pacer.take(packet):
             self._queue.put(whole)
         self._note_progress(packet.t_end_us)
+        if self._strobe is not None or is_behind or not self._pacer.is_moving:
+            return None
+        return self._part_us
 
     def _note(self, error: CameraError) -> None:
         self._n_restarts += isinstance(error, ClockJumpError)

@@ -22,6 +22,7 @@ class GelConfig:
             (``solid``); they share no code.
         residue: share of each marker's largest motion that stays until the next touch.
         layout: its dots.
+        missing: places of dots that were never made, in ``Gel.points_mm``.
     """
 
     lag: float = 0.1
@@ -29,6 +30,7 @@ class GelConfig:
     elasticity: Elasticity = "half-space"
     residue: float = 0.0
     layout: Gel = PAPER_GEL
+    missing: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from neurotouch_hid.recording import (
     write_labels,
 )
 from neurotouch_hid.source.rig_file import describe_strobe, rig_path
+from neurotouch_hid.source.simulator.config import SimulatorConfig
 from neurotouch_hid.source.simulator.gel import Elasticity
 from neurotouch_hid.source.simulator.script import PRESS_US, Script, Stroke
 from neurotouch_hid.source.simulator.simulated_people import (
@@ -40,6 +41,7 @@ from neurotouch_hid.source.strobe.config import StrobeConfig
 KINDS = tuple(GestureKind)[1:]
 MODEL = 1  # raised when the simulator changes, so that old files are written again
 REST_US = 600_000  # at the start of each recording, so that the gel can be found
+LONG_REST_US = 7_000_000  # of a user's first one with a known rig: ``hello`` can measure it again
 NONE_SHARE = 0.4  # [NT, figure of the labels]: 15,000 of 37,912 frames show no gesture
 HIDDEN_US = 350_000  # of each attack and release, below what is labelled
 MANIFEST = "dataset.json"
@@ -52,7 +54,8 @@ SLICE_US = 20_000
 class Recipe:
     """Parameters of one recording; equal recipes give equal recordings.
 
-    ``gel_file`` is the SHA-256 of the gel's file; empty for the gel of the paper.
+    ``gel_file`` is the SHA-256 of the gel's file; empty for the gel of the paper. ``like`` is that
+    of the settings of the rig; empty if each user has another rig.
     """
 
     model: int
@@ -63,6 +66,7 @@ class Recipe:
     gel: Elasticity = "half-space"
     nuisances: Mapping[str, float] = field(default_factory=dict)
     gel_file: str = ""
+    like: str = ""
 
     @property
     def name(self) -> str:
@@ -70,18 +74,25 @@ class Recipe:
         name = f"user{self.user + 1}-{self.gesture}"
         return name if self.gel == "half-space" else f"{name}-{self.gel}"
 
-    @property
-    def suffix(self) -> str:
-        """The ending of the file: a camera without events gives a video clip."""
-        return ".mkv" if "uvc" in self.nuisances else ".aedat4"
-
     def describe(self) -> dict[str, Any]:
         """Returns the parameters for the manifest, without what is empty."""
         described = asdict(self)
-        for key in ("nuisances", "gel_file"):
+        for key in ("nuisances", "gel_file", "like"):
             if not described[key]:
                 del described[key]
         return described
+
+
+class KnownRig(NamedTuple):
+    """A rig that all people of a set use.
+
+    Attributes:
+        config: its settings, with its gel.
+        content: the file that they come from.
+    """
+
+    config: SimulatorConfig
+    content: bytes
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,6 +125,7 @@ def write_dataset(
     command: str = "",
     gel: Gel = PAPER_GEL,
     gel_file: bytes = b"",
+    rig: KnownRig | None = None,
 ) -> list[Path]:
     """Writes one recording per gel, user and gesture, with labels; finished ones are kept.
 
@@ -133,6 +145,7 @@ def write_dataset(
         gel: the dots.
         gel_file: content of its file, which is copied beside each recording; empty for the gel of
             the paper.
+        rig: the rig of all recordings; None if each user has another one.
 
     Returns:
         The recordings, gels and users one after another.
@@ -142,8 +155,9 @@ def write_dataset(
             were made from other recipes.
     """
     folder = Path(out_dir)
-    digest = hashlib.sha256(gel_file).hexdigest() if gel_file else ""
-    recipes = plan_dataset(users, minutes, seed, gels, nuisances, digest)
+    like = "" if rig is None else _digest(rig.content)
+    recipes = plan_dataset(users, minutes, seed, gels, nuisances, _digest(gel_file), like)
+    suffix = _choose_suffix(nuisances or {}, rig)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -151,7 +165,7 @@ def write_dataset(
             f"'{folder}' cannot be made: {error.strerror}.", hint=_ELSEWHERE
         ) from error
     finished = read_manifest(folder)
-    paths = [folder / f"{recipe.name}{recipe.suffix}" for recipe in recipes]
+    paths = [folder / f"{recipe.name}{suffix}" for recipe in recipes]
     if not replace:
         _refuse_others(recipes, paths, finished)
     for i, (recipe, path) in enumerate(zip(recipes, paths, strict=True)):
@@ -159,7 +173,7 @@ def write_dataset(
         if not (is_there and finished.get(recipe.name) == recipe.describe()):
             if finished.pop(recipe.name, None) is not None:
                 _write_manifest(folder, finished)
-            for share in _record(recipe, path, command, gel, gel_file):
+            for share in _record(recipe, path, command, gel, gel_file, rig):
                 progress(Progress(path, i, len(paths), share))
             finished[recipe.name] = recipe.describe()
             _write_manifest(folder, finished)
@@ -174,25 +188,49 @@ def plan_dataset(
     gels: Sequence[Elasticity] = ("half-space",),
     nuisances: Mapping[str, float] | None = None,
     gel_file: str = "",
+    like: str = "",
 ) -> list[Recipe]:
     """Returns the recipes of a set, gels and users one after another."""
     duration_us = round(minutes * 60e6 / (len(gels) * users * len(KINDS)))
+    more = {KINDS[0]: LONG_REST_US} if like else {}
     return [
-        Recipe(MODEL, seed, user, kind.label, duration_us, gel, dict(nuisances or {}), gel_file)
+        Recipe(
+            MODEL,
+            seed,
+            user,
+            kind.label,
+            duration_us + more.get(kind, 0),
+            gel,
+            dict(nuisances or {}),
+            gel_file,
+            like,
+        )
         for gel in gels
         for user in range(users)
         for kind in KINDS
     ]
 
 
-def simulate_recipe(recipe: Recipe, gel: Gel = PAPER_GEL) -> Simulator:
-    """Returns the simulation of a recording with the dots of a gel."""
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest() if content else ""
+
+
+def _choose_suffix(nuisances: Mapping[str, float], rig: KnownRig | None) -> str:
+    """Returns the ending of the files: a camera without events gives video clips."""
+    is_clip = "uvc" in nuisances or (rig is not None and rig.config.uvc is not None)
+    return ".mkv" if is_clip else ".aedat4"
+
+
+def simulate_recipe(recipe: Recipe, gel: Gel = PAPER_GEL, rig: KnownRig | None = None) -> Simulator:
+    """Returns the simulation of a recording with the dots of a gel, or with a rig and its gel."""
     kind = GestureKind[recipe.gesture.upper()]
     apart = 0 if recipe.gel == "half-space" else 500
     person, config = meet_person(1000 * recipe.seed + recipe.user + apart)
-    config = replace(config, gel=replace(config.gel, elasticity=recipe.gel)).show(gel)
+    config = config.show(gel) if rig is None else rig.config
+    config = replace(config, gel=replace(config.gel, elasticity=recipe.gel))
     rng = np.random.default_rng((recipe.seed, recipe.user + apart, kind))
-    script = draw_script(recipe.name, kind, recipe.duration_us, person, rng)
+    rest_us = LONG_REST_US if recipe.like and kind is KINDS[0] else REST_US
+    script = draw_script(recipe.name, kind, recipe.duration_us, person, rng, rest_us)
     own_seed = int(rng.integers(1 << 31))
     return Simulator(script, config, nuisances=recipe.nuisances, seed=own_seed, slice_us=SLICE_US)
 
@@ -203,13 +241,15 @@ def draw_script(
     duration_us: int,
     person: SimulatedPerson,
     rng: np.random.Generator,
+    rest_us: int = REST_US,
 ) -> Script:
     """Returns a script of one repeated gesture, with the paper's share of rest between.
 
-    The last gesture may run over the end, as when a camera is switched off.
+    It begins with ``rest_us`` of rest. The last gesture may run over the end, as when a camera is
+    switched off.
     """
     strokes = list[Stroke]()
-    t_us = REST_US
+    t_us = rest_us
     while t_us < duration_us:
         stroke = replace(draw_stroke(kind, rng, person), start_us=t_us)
         strokes.append(stroke)
@@ -222,13 +262,16 @@ def draw_script(
     return Script(name, tuple(strokes), duration_us)
 
 
-def _record(recipe: Recipe, path: Path, command: str, gel: Gel, gel_file: bytes) -> Iterator[float]:
+def _record(
+    recipe: Recipe, path: Path, command: str, gel: Gel, gel_file: bytes, rig: KnownRig | None
+) -> Iterator[float]:
     """Writes a recording, labels and gel; yields the share done, once a simulated second."""
     yield 0.0
     nuisances = (f"{name}={strength:g}" for name, strength in recipe.nuisances.items())
-    source = ",".join([recipe.name, *nuisances])
+    like = [] if rig is None else ["like another rig"]
+    source = ",".join([recipe.name, *nuisances, *like])
     mark = Simulation(f"neurotouch-hid {__version__}", source, command, recipe.seed)
-    with simulate_recipe(recipe, gel) as simulator:
+    with simulate_recipe(recipe, gel, rig) as simulator:
         write = _write_clip if path.suffix == ".mkv" else _write_recording
         for t_us in write(simulator, path, mark):
             yield min(t_us / recipe.duration_us, 0.999)

@@ -1,5 +1,6 @@
 """The gel at one moment, as the simulation makes it and as the sensor sees it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,9 +28,11 @@ class Dots:
     size: NDArray[np.float64]
 
 
-def make_dots(gel: Gel) -> Dots:
-    """Returns markers that are all alike, in their places."""
-    return Dots(gel.points_mm, np.ones(gel.n_markers), np.ones(gel.n_markers))
+def make_dots(gel: Gel, missing: Sequence[int] = ()) -> Dots:
+    """Returns markers that are all alike, in their places; some may be missing."""
+    brightness = np.ones(gel.n_markers)
+    brightness[list(missing)] = 0.0
+    return Dots(gel.points_mm, brightness, np.ones(gel.n_markers))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

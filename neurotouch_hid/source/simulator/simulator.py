@@ -53,7 +53,8 @@ class Simulator(Closing):
     ) -> None:
         config = config or SimulatorConfig()
         gel = config.gel.layout
-        setup = disturb(Setup(script, config, seed, make_dots(gel)), nuisances or {})
+        dots = make_dots(gel, config.gel.missing)
+        setup = disturb(Setup(script, config, seed, dots), nuisances or {})
         self.name = f"sim:{script.name}"
         self._script, self._slice_us, self._wires = setup.script, slice_us, setup.wires
         config = setup.config

@@ -155,27 +155,53 @@ def measure_largest(
     return n, float(select(moved_px, max(n - 1 - n_left_out, 0)))
 
 
-@kernel
-def measure_median(
+@kernel(error_model="numpy")
+def measure_shared(
     before_px: NDArray[np.float64],
     now_px: NDArray[np.float64],
     gate_px: float,
+    reach_px: float,
     match: NDArray[np.int32],
-) -> tuple[int, float]:
-    """Returns the number of pairs, and the median of their motions, px.
+) -> tuple[int, float, float]:
+    """Returns the number of pairs, and how far they have moved together, px.
+
+    Noise moves each dot on its own, so the products of two neighbours' motions cancel in the mean.
+    A gel moves neighbours alike, so the mean of these products is the square of that motion.
 
     Args:
         before_px: (n, 2) float64 px, columns x, y.
         now_px: (m, 2) float64 px.
-        gate_px: distance limit of a pair; returned as the motion if there is no pair.
+        gate_px: distance limit of a pair.
+        reach_px: dots up to this distance are neighbours.
         match: (n,) int32, written, see ``match_points``.
+
+    Returns:
+        The number of pairs; the mean motion of all; the root mean square of what neighbours share
+        beyond that. Both motions are ``gate_px`` if there is no pair.
     """
-    moved_px = _measure_pairs(before_px, now_px, gate_px, match)
-    n = len(moved_px)
+    n = match_points(before_px, now_px, gate_px, match)
     if not n:
-        return 0, gate_px
-    middle = select(moved_px, (n - 1) // 2)
-    return n, middle if n % 2 else 0.5 * (middle + select(moved_px, n // 2))
+        return 0, gate_px, gate_px
+    place, moved, k = np.empty((n, 2)), np.empty((n, 2)), 0
+    mean_x = mean_y = 0.0
+    for i in range(len(before_px)):
+        j = match[i]
+        if j >= 0:
+            for axis in range(2):
+                place[k, axis] = before_px[i, axis]
+                moved[k, axis] = now_px[j, axis] - before_px[i, axis]
+            mean_x += moved[k, 0] / n
+            mean_y += moved[k, 1] / n
+            k += 1
+    total, n_pairs = 0.0, 0
+    for i in range(n):
+        for j in range(i):
+            dx, dy = place[i, 0] - place[j, 0], place[i, 1] - place[j, 1]
+            if dx * dx + dy * dy < reach_px * reach_px:
+                total += (moved[i, 0] - mean_x) * (moved[j, 0] - mean_x)
+                total += (moved[i, 1] - mean_y) * (moved[j, 1] - mean_y)
+                n_pairs += 1
+    return n, math.hypot(mean_x, mean_y), math.sqrt(max(total / max(n_pairs, 1), 0.0))
 
 
 @kernel

@@ -48,6 +48,7 @@ MADE = (
         "neurotouch record play.aedat4 --source sim:tour --seconds 2 --plain",
         "neurotouch simulate play --users 1 --minutes 0.1",
         "neurotouch evaluate play/*push.aedat4 --method neurotouch --method paper",
+        "neurotouch hello camera --source file:play.aedat4",
     ),
     (
         "neurotouch profile new mine",

@@ -138,10 +138,10 @@ WAKE = [(2, 4, 1), (9, 1, 20_160)]
 BURST = pack("3005 " * 60)
 
 
-def noise():
-    """A stream of an event every ms, in pieces of 4 ms."""
-    stream = make_events(0, 60_000)
-    return (stream[k : k + 24] for k in range(0, len(stream), 24))
+def noise(piece_ms=4):
+    """A stream of an event every ms, in pieces."""
+    stream, size = make_events(0, 60_000), 6 * piece_ms
+    return (stream[k : k + size] for k in range(0, len(stream), size))
 
 
 def play_calm(camera, source, stream, until):
@@ -172,6 +172,44 @@ def test_a_camera_rests_while_nothing_happens_and_wakes_up_at_the_first_motion()
         play_calm(camera, source, stream, lambda: WAKE[1] in asked(camera))
         woke = asked(camera).index(WAKE[1])
         assert asked(camera)[woke - 1 : woke + 1] == WAKE
+
+
+def play_motion(camera, source, stream, n):
+    """The lengths of n slices after a camera at rest has seen the first motion, in µs."""
+    source.set_activity(is_idle=True)
+    lengths_us, is_moving = [], False
+    deadline_s = time.monotonic() + 60.0
+    for packet in source.poll():
+        assert time.monotonic() < deadline_s, lengths_us
+        if not camera.script:  # what waits would come in whole slices
+            camera.script.append(next(stream) + BURST * is_moving)
+        if packet is None:
+            continue
+        is_moving = is_moving or packet.t_end_us > 200_000
+        lengths_us += [packet.t_end_us - packet.t_begin_us] * is_moving
+        if len(lengths_us) >= n:
+            return lengths_us
+    raise AssertionError("the source has ended")
+
+
+def test_slices_come_in_parts_while_the_gel_moves():
+    with open_camera(camera := ScriptedCamera(), slice_us=4_000, part_us=1_000) as source:
+        assert play_motion(camera, source, noise(1), 60).count(1_000) > 20
+
+
+def test_slices_of_a_chosen_length_stay_as_they_are():
+    with open_camera(camera := ScriptedCamera(), slice_us=4_000) as source:
+        assert set(play_motion(camera, source, noise(1), 30)[-10:]) == {4_000}
+
+
+def test_a_pipeline_that_is_behind_gets_whole_slices():
+    with open_camera(camera := ScriptedCamera(), slice_us=4_000, part_us=1_000) as source:
+        play_motion(camera, source, stream := noise(1), 60)
+        camera.script += [next(stream) + BURST for _ in range(60)]
+        while camera.script:
+            time.sleep(0.001)
+        lengths_us = [packet.t_end_us - packet.t_begin_us for packet in take(source, 10)]
+    assert lengths_us[-1] == 4_000
 
 
 def test_a_resting_camera_that_does_not_answer_but_sends_is_asked_again():

@@ -55,6 +55,27 @@ def test_events_come_in_slices_from_the_first_time_of_the_camera():
     assert camera.device is None
 
 
+def test_slices_come_in_parts_while_the_gel_moves():
+    camera = Camera("iniVation DAVIS 346")
+    shown = ((k, 100 if k < 50 else 400) for k in range(1_000))  # noise, then motion
+
+    def show_more():
+        k, n = next(shown)
+        stamps_us = 4_000 * k + np.arange(n) * 10
+        camera.show(4_000 * k + 4_000, make_events(stamps_us, x=np.arange(n) % 346))
+
+    with open_source(camera, slice_us=4_000, part_us=1_000) as source:
+        source.set_activity(is_idle=True)
+        packets = []
+        for packet in source.poll():  # data that comes late would come in whole slices
+            show_more()
+            packets += [] if packet is None else [packet]
+            if packets and packets[-1].t_end_us - packets[-1].t_begin_us == 1_000:
+                break
+    assert packets[-1].t_begin_us > 200_000
+    assert 4_000 in {packet.t_end_us - packet.t_begin_us for packet in packets}
+
+
 def test_a_canonical_pixel_fires_once_for_all_the_pixels_that_it_stands_for():
     camera = Camera()
     places = find_places(camera.view)

@@ -1,7 +1,9 @@
-// Chooses a movement's output: from a picture of the gamepad, from a list, or by pressing the key.
+// Chooses a movement's output: from a picture of the gamepad, from a list, or by pressing the key or
+// the button.
 
 import { element } from "../shared/wire.js";
 import { makePad } from "../shared/pad.js";
+import { hasGamepads, makePadListener } from "./gamepads.js";
 import { nameKey } from "./keys.js";
 import { MOVEMENTS, belongs } from "./movements.js";
 import { nameOutput } from "./outputs.js";
@@ -12,8 +14,9 @@ const TOLD_MS = 200;
 const MODIFIERS = [["Control", "ctrl"], ["Shift", "shift"], ["Alt", "alt"], ["AltGraph", "altgr"],
   ["Meta", "super"]];
 
-// `bind(movement, press, mode, output, instead)` is called with the words of the choice.
-export function makeChooser(dialog, { bind, closed }) {
+// `bind(movement, press, mode, output, instead)` is called with the words of the choice. A gamepad is
+// heard while `isQuiet()` is true: then the gel moves no gamepad.
+export function makeChooser(dialog, { bind, closed, isQuiet }) {
   const find = (id) => dialog.querySelector(`#${id}`);
   let groups = [];
   let movement = "";
@@ -53,7 +56,6 @@ export function makeChooser(dialog, { bind, closed }) {
       button.addEventListener("click", () => take(output.do));
       return button;
     }));
-    find("key-catch").hidden = name !== "Keyboard";
   }
 
   find("group-choice").addEventListener("change", () => showGroup(find("group-choice").value));
@@ -65,7 +67,7 @@ export function makeChooser(dialog, { bind, closed }) {
   function listen(wanted) {
     catches = wanted;
     dialog.toggleAttribute("data-takes-keys", wanted); // the header's key is a key like others
-    find("key-catch").textContent = wanted ? "Waiting for the key …" : "Press the key now";
+    find("key-catch").textContent = wanted ? "Waiting for the key …" : "Press a key now";
     find("key-said").textContent = "";
   }
   dialog.addEventListener("keydown", (event) => {
@@ -81,16 +83,31 @@ export function makeChooser(dialog, { bind, closed }) {
     const held = MODIFIERS.filter(([name]) => event.getModifierState(name)).map(([, name]) => name);
     take(`key ${[...held, key].join("+")}`);
   });
+  const pads = makePadListener({ mayHear: isQuiet, heard: takePressed });
+  function takePressed(output) {
+    if (!output) {
+      find("key-said").textContent = "This gamepad does not say which button that is. Choose it here.";
+      return;
+    }
+    const [kind, axis] = output.split(" ");
+    // A push in all directions moves the stick in all directions.
+    const isWhole = movement === "push" && kind === "axis";
+    take(isWhole ? `stick ${axis.split("_")[0]}` : output);
+  }
+
   dialog.addEventListener("close", () => {
+    pads.stop();
     listen(false);
     closed();
   });
 
   return {
     setOutputs(given) {
+      const chosen = find("group-choice").value;
       groups = given;
       find("group-choice").replaceChildren(...groups.map(({ name }) =>
         element("option", { value: name, text: name })));
+      if (dialog.open && groups.length) showGroup(chosen || groups[0].name); // it came late
     },
     name: (output) => nameOutput(groups, output),
     // `instead` is the key of the binding it replaces; without it, the first one of the movement.
@@ -107,10 +124,13 @@ export function makeChooser(dialog, { bind, closed }) {
       if (instead !== undefined) find("instead-choice").value = instead;
       showGroup(groups.length ? groups[0].name : "");
       find("chooser-told").textContent = "";
+      const press = isQuiet() && hasGamepads() ? "Press a button of a gamepad, or choose here." : "";
+      find("press-now").textContent = press;
       dialog.showModal();
+      pads.start();
       // Announced after the dialog is open: a screen reader that comes from the gel reads no title.
       setTimeout(() => {
-        find("chooser-told").textContent = `${MOVEMENTS[which][1]}: choose what it does.`;
+        find("chooser-told").textContent = `${MOVEMENTS[which][1]}: choose what it does. ${press}`;
       }, TOLD_MS);
     },
   };

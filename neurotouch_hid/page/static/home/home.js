@@ -11,6 +11,7 @@ import { makeCards, makeListener } from "./movements.js";
 import { makeOwnValues } from "./own_values.js";
 import { makeProfiles } from "./profiles.js";
 import { makeRemote } from "./remote.js";
+import { makeTrial } from "./trial.js";
 
 const HZ = 30;
 const PICTURE_MS = 1000;
@@ -28,7 +29,10 @@ const ADVICE = { // where the page can do nothing
   ready: "Keep your hand off the gel until the dots are found.",
 };
 
+const STARTS = { camera: "camera", events: "camera", webcam: "webcam" };
 const MENDS = { setup: "Give me the right", service: "Start the service" };
+const LOOKING = "Looking …";
+const WEBCAM = "If it looks at a gel, start with it. If not, try everything with the mouse first.";
 const PASSWORD = "This computer then asks for the password of an administrator.";
 
 const find = (id) => document.getElementById(id);
@@ -39,8 +43,10 @@ let about = null;
 let kept = {}; // how far an unfinished measurement is, of a hand and of a simulated one
 let newest = null;
 let situation = null;
+let plugged = ""; // a camera that could play in place of a simulated gel
 let runs = false;
 let starting = "";
+let replaces = false; // a camera's driver takes the place of one with a simulated gel
 let begun = false; // this page started the driver
 let ended = false; // this page ends it
 let faults = []; // errors of a failed start
@@ -60,6 +66,7 @@ const page = openPage(HZ, {
     if (fresh) page.send(PAUSE); // the connection was lost, and the driver has gone on
   },
   state(state) {
+    if (replaces) return; // the last ones of the driver that ends
     const first = newest === null;
     newest = state;
     if (starting) sayStart(faults.join(" "));
@@ -67,17 +74,26 @@ const page = openPage(HZ, {
     profiles.setPlayed(state.profile);
     cards.mark(state.gesture.movement);
     listener.hear(state.gesture);
+    trial.hear(state, performance.now());
     if (first || state.slow !== shownSlow) showStart();
     if (!layer && state.layer) showLayer();
   },
   driver(is) {
     runs = is;
-    if (!is) lose();
+    if (!is) {
+      replaces = false;
+      lose();
+    }
     showStart();
   },
   situation(found) { // told while nothing comes
     situation = found;
     lose();
+    showStart();
+  },
+  plugged(found) {
+    plugged = found;
+    if (plugged) page.tell(`A ${STARTS[plugged]} is plugged in.`);
     showStart();
   },
   about(message) {
@@ -110,13 +126,14 @@ const page = openPage(HZ, {
   saved(sentence, { n }) {
     if (n === copies) profiles.forget();
     if (sentence) say(places.get(n) || "saved", sentence);
+    trial.saved(n);
   },
   refused(sentence, { n }) {
     if (!places.has(n)) return;
     refusal = places.get(n);
     find(refusal).classList.add("refused");
     if (refusal === "range-said") calibration.reset();
-    if (refusal === "start-lines") starting = "";
+    if (refusal === "start-lines") [starting, replaces] = ["", false];
     (refusal === "start-lines" ? sayStart : (text) => say(refusal, text))(sentence);
     showStart();
   },
@@ -161,7 +178,7 @@ function showStart() {
   for (const id of ["gel", "gesture-buttons"]) find(id).hidden = !isMouse;
   const isSimulated = newest && newest.slow.simulated;
   const isGel = newest && newest.gel.found;
-  let [words, advice] = ["Looking …", ""];
+  let [words, advice] = [LOOKING, ""];
   if (starting) {
     words = "Starting …";
   } else if (newest && !isGel) {
@@ -175,17 +192,28 @@ function showStart() {
   } else if (newest) {
     [words, advice] = ["Ready to play.", `Every game sees the gamepad: ${newest.slow.device}.`];
   } else if (situation) {
-    [words, advice] = [situation.kind === "ready" ? "The camera is ready." : situation.text,
-      situation.mend ? PASSWORD : ADVICE[situation.kind]];
+    const isReady = situation.kind === "ready" && situation.start === "camera";
+    [words, advice] = [isReady ? "The camera is ready." : situation.text,
+      situation.mend ? PASSWORD : situation.start === "webcam" ? WEBCAM : ADVICE[situation.kind]];
   }
-  if (find("situation").textContent !== words && newest) page.say(words);
+  const before = find("situation").textContent;
+  if (before !== words && newest) page.say(words);
+  else if (before !== words && situation && !starting && before !== LOOKING) page.tell(words);
   say("situation", words);
   say("advice", advice);
   const isIdle = !newest && !starting && situation !== null;
-  find("start-camera").hidden = runs || !(isIdle && situation.kind === "ready");
+  const startable = isIdle ? situation.start : isSimulated ? plugged : "";
+  const hadFocus = document.activeElement === find("start-camera");
+  find("start-camera").hidden = !startable;
+  if (startable) {
+    say("start-camera", isIdle ? `Start with the ${STARTS[startable]}`
+      : `Play with the ${STARTS[startable]} instead`);
+    find("start-camera").dataset.what = startable;
+  }
   find("mend").hidden = !(isIdle && situation.mend);
   if (isIdle && situation.mend) say("mend", MENDS[situation.mend]);
   find("start-mouse").hidden = !isIdle;
+  if (hadFocus && !startable && isIdle) find("start-mouse").focus(); // the camera was unplugged
   find("fly").hidden = !newest;
   find("press").hidden = !isMouse;
   find("look").hidden = !newest;
@@ -236,15 +264,17 @@ function sayStart(text) {
 }
 
 function start(what) {
+  replaces = newest !== null;
   starting = what;
   begun = true;
   faults = [];
-  ask({ do: "start", what }, "start-lines");
+  ask({ do: "start", what, ...(replaces ? { instead: true } : {}) }, "start-lines");
+  lose();
   sayStart(STARTING);
   showStart();
 }
 
-find("start-camera").addEventListener("click", () => start("camera"));
+find("start-camera").addEventListener("click", () => start(find("start-camera").dataset.what));
 find("start-mouse").addEventListener("click", () => start("mouse"));
 find("mend").addEventListener("click", () => {
   faults = [];
@@ -289,15 +319,24 @@ const cards = makeCards(find("cards"), {
   name: (output) => chooser.name(output),
 });
 const chooser = makeChooser(find("chooser"), {
-  bind: (wish) => ask({ do: "bind", layer, ...wish }, "saved"),
+  bind(wish) {
+    const n = ask({ do: "bind", layer, ...wish }, "saved");
+    const plays = newest !== null && newest.layer === layer;
+    if (plays) trial.ask(n, wish.movement, wish.do_this);
+    else trial.clear();
+  },
   closed: endListening,
+  isQuiet: () => newest === null || newest.state !== "running",
 });
+
+const trial = makeTrial(find, say, (output) => chooser.name(output));
 const listener = makeListener((movement) => {
   say("saved", "");
   chooser.open(movement, findLayer());
 });
 
 find("by-doing").addEventListener("click", () => {
+  trial.clear();
   if (listener.waits) {
     listener.stop();
     endListening();

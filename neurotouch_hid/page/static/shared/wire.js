@@ -85,6 +85,9 @@ export function connect(hz, listeners) {
       send({ ...message, n: ++asked });
       return asked;
     },
+    end() { // what the server showed last stays; it is not looked for again
+      ended = true;
+    },
   };
 }
 

@@ -1,10 +1,12 @@
-"""Merges slices that contain only noise, so that an idle pipeline seldom wakes."""
+"""Makes slices follow the activity: short while the gel moves, joined while nothing happens."""
 
 from typing import Final
 
 from neurotouch_hid.events import join_events
 from neurotouch_hid.messages import EventPacket
 
+MOVING_US: Final = 1_000
+"""Slices while the gel moves. An event waits half of this on average, until its slice ends."""
 LONGEST_US: Final = 48_000
 """Twelve slices of a camera. The tracker remembers twice that and an exposure, so it can still use
 what frames show. More events than the noise makes end the wait at once. A push so slow that it
@@ -15,26 +17,38 @@ noise alone makes this many events, they cost more time than waking the pipeline
 MOST_PER_US: Final = 2
 """The same for slices shorter than 2 ms, which leave less time: events a µs of one slice."""
 CALM_US: Final = 100_000
-"""Time without activity after which slices are merged."""
+"""Time without activity after which slices are joined."""
+MOVED_US: Final = 300_000
+"""Time without activity after which slices are no longer short. Longer, because a slow finger does
+not exceed the noise all the time."""
 
 _LEARN: Final = 1 / 64  # weight of a slice in the estimate of the noise: a quarter of a second
 _STANDS_OUT: Final = 5.0  # mean deviations, four standard ones: by chance once in two minutes
 _FEW: Final = 8.0  # events; a quiet sensor's deviation may be 0
 
 
-class IdleMerger:
-    """Merges slices while the pipeline is idle and they contain only noise.
+class SlicePacer:
+    """Joins slices: up to the usual length, or further while the pipeline is idle.
+
+    The noise is learned while the pipeline is idle. From then on, a slice of the usual length with
+    more events than that shows that the gel moves. While it moves, parts of slices pass at once.
+
+    Args:
+        usual_us: length of the usual slices, which end at multiples of it; parts of them may come
+            instead. Without it, each slice counts as one of the usual length.
 
     Attributes:
         is_idle: the pipeline has nothing to do; None while unknown. Set from any thread.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, usual_us: int | None = None) -> None:
         self.is_idle: bool | None = None
+        self._usual_us = usual_us
         self._waiting: list[EventPacket] = []
         self._n_waiting = 0
         self._passes = True
-        self._calm_us = 0
+        self._n_events = self._length_us = 0  # of the usual slice so far
+        self._calm_us, self._still_us = 0, MOVED_US + 1
         self._mean = self._deviation = 0.0
         self._n_heard = 0
 
@@ -48,21 +62,36 @@ class IdleMerger:
         """True while the pipeline is idle and recent events were only noise."""
         return self._calm_us > CALM_US
 
+    @property
+    def is_moving(self) -> bool:
+        """True while more events come than the noise makes, and a little longer."""
+        return self._still_us <= MOVED_US
+
     def take(self, packet: EventPacket) -> tuple[EventPacket, ...]:
         """Returns nothing, or this slice joined with all slices that waited.
 
         Args:
-            packet: the next slice, all of one length.
+            packet: the next slice, or the next part of one.
         """
+        self._n_events += len(packet.events)
+        self._length_us += packet.t_end_us - packet.t_begin_us
+        if self._usual_us is not None and packet.t_end_us % self._usual_us:
+            if self.is_moving or packet.gap:
+                return self._release(packet)
+            self._wait(packet)
+            return ()
+        n_events, length_us = self._n_events, self._length_us
+        self._n_events = self._length_us = 0
+        is_noise = self._is_noise(n_events)
+        self._still_us = self._still_us + length_us if is_noise else 0
         if not self.is_idle:
             self._calm_us = 0
             self._passes = True
             return self._release(packet)
-        length_us = packet.t_end_us - packet.t_begin_us
-        is_calm = self._listen(len(packet.events)) and not packet.gap
-        self._calm_us = self._calm_us + length_us if is_calm else 0
+        self._learn(n_events)
+        self._calm_us = self._calm_us + length_us if is_noise and not packet.gap else 0
         begin_us = self._waiting[0].t_begin_us if self._waiting else packet.t_begin_us
-        n_next = self._n_waiting + 2 * len(packet.events)  # with one more like this
+        n_next = self._n_waiting + len(packet.events) + n_events  # with one more like this
         if (
             not self.is_calm
             or packet.t_end_us + length_us - begin_us > LONGEST_US
@@ -91,18 +120,22 @@ class IdleMerger:
         self._waiting.append(packet)
         self._n_waiting += len(packet.events)
 
-    def _listen(self, n_events: int) -> bool:
-        """Returns True if this many events are noise; learns the noise while idle."""
+    def _is_noise(self, n_events: int) -> bool:
+        """Returns True if this many events are noise; the first slice that is learned is."""
+        return not self._n_heard or n_events - self._mean <= self._find_most()
+
+    def _find_most(self) -> float:
+        return _STANDS_OUT * self._deviation + _FEW
+
+    def _learn(self, n_events: int) -> None:
         if not self._n_heard:
             self._mean = n_events
         self._n_heard += 1
         share = max(_LEARN, 1.0 / self._n_heard)  # fast at first
-        off = n_events - self._mean
-        most = _STANDS_OUT * self._deviation + _FEW
-        learnt = min(off, most)  # a burst changes it little, a new lamp does over time
+        # A burst changes it little, a new lamp does over time.
+        learnt = min(n_events - self._mean, self._find_most())
         self._mean += share * learnt
         self._deviation += share * (abs(learnt) - self._deviation)
-        return off <= most
 
 
 def _join(packets: list[EventPacket]) -> EventPacket:

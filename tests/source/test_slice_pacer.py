@@ -1,10 +1,18 @@
-"""Slices of nothing but noise come as one while the line is idle; nothing is lost, nor late."""
+"""Slices are short while the gel moves, and come as one in nothing but noise; nothing is lost."""
 
 import numpy as np
 import pytest
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
-from neurotouch_hid.source.idle import CALM_US, LONGEST_US, MOST_EVENTS, MOST_PER_US, IdleMerger
+from neurotouch_hid.source.slice_pacer import (
+    CALM_US,
+    LONGEST_US,
+    MOST_EVENTS,
+    MOST_PER_US,
+    MOVED_US,
+    MOVING_US,
+    SlicePacer,
+)
 
 SLICE_US = 4_000
 N_CALM = CALM_US // SLICE_US
@@ -20,7 +28,7 @@ def make(k, n=360, gap=0, frames=(), slice_us=SLICE_US):
 
 def idle_lull(slice_us=SLICE_US):
     """A lull whose next slices wait: the line has been idle for as long as it takes."""
-    lull = IdleMerger()
+    lull = SlicePacer()
     lull.is_idle = True
     n_calm = CALM_US // slice_us
     for k in range(n_calm):
@@ -29,7 +37,7 @@ def idle_lull(slice_us=SLICE_US):
 
 
 def test_a_line_that_is_not_idle_gets_every_slice():
-    lull = IdleMerger()
+    lull = SlicePacer()
     for k in range(200):
         (packet,) = lull.take(sent := make(k, 0))
         assert packet is sent
@@ -38,7 +46,7 @@ def test_a_line_that_is_not_idle_gets_every_slice():
 @pytest.mark.parametrize("level", [0, 150, 300])
 def test_an_idle_line_gets_noise_seldom_and_all_of_it(level):
     rng = np.random.default_rng(1)
-    lull = IdleMerger()
+    lull = SlicePacer()
     lull.is_idle = True
     sent = [
         make(k, rng.poisson(level), frames=(Frame(None, k, k),) if k % 10 == 0 else ())
@@ -74,7 +82,7 @@ def test_what_comes_together_is_no_more_than_the_line_takes_in_time(level, slice
 
 
 def test_the_head_of_a_slice_may_come_if_the_slice_will_not_wait():
-    lull = IdleMerger()
+    lull = SlicePacer()
     assert not lull.takes_partials  # nobody has said yet that he can use one
     lull.is_idle = False
     assert lull.takes_partials
@@ -99,7 +107,7 @@ def test_after_a_lull_ends_heads_come_before_the_line_knows():
 
 
 def test_too_full_a_slice_does_not_wait_and_its_head_may_come():
-    lull = IdleMerger()
+    lull = SlicePacer()
     lull.is_idle = True
     for k in range(3 * N_CALM):
         assert lull.take(make(k, MOST_EVENTS // 2 + 1))
@@ -139,3 +147,67 @@ def test_a_new_lamp_is_got_used_to():
     n_got = [len(lull.take(make(j, 600))) for j in range(k, k + 1_000)]
     assert sum(n_got[:25]) == 25
     assert sum(n_got[-400:]) <= 400 // (MOST_EVENTS // 600) + 1
+
+
+PARTS = SLICE_US // MOVING_US
+N_STILL = MOVED_US // SLICE_US
+
+
+def take_parts(pacer, k, n_parts):
+    """What comes of slice ``k`` in parts, with so many events in each."""
+    given = [make(PARTS * k + j, n, slice_us=MOVING_US) for j, n in enumerate(n_parts)]
+    got = [packet for part in given for packet in pacer.take(part)]
+    return [(p.t_begin_us - k * SLICE_US, p.t_end_us - k * SLICE_US, len(p.events)) for p in got]
+
+
+def learn_noise():
+    """A pacer that knows the noise, 90 events a part, and whose pipeline plays."""
+    pacer = SlicePacer(SLICE_US)
+    pacer.is_idle = True
+    for k in range(2 * N_STILL):
+        take_parts(pacer, k, [90] * PARTS)
+    pacer.is_idle = False
+    take_parts(pacer, 2 * N_STILL, [90] * PARTS)
+    return pacer, 2 * N_STILL + 1
+
+
+def test_parts_come_at_once_while_the_gel_moves_and_together_when_it_rests():
+    pacer, k = learn_noise()
+    assert take_parts(pacer, k, [90] * PARTS) == [(0, SLICE_US, 360)]
+    assert not pacer.is_moving
+    assert take_parts(pacer, k + 1, [90, 90, 90, 300]) == [(0, SLICE_US, 570)]
+    assert pacer.is_moving
+    each = [(j * MOVING_US, (j + 1) * MOVING_US, 90) for j in range(PARTS)]
+    for j in range(N_STILL + 1):
+        assert take_parts(pacer, k + 2 + j, [90] * PARTS) == each, j
+    assert not pacer.is_moving
+    assert take_parts(pacer, k + 3 + N_STILL, [90] * PARTS) == [(0, SLICE_US, 360)]
+
+
+def test_whole_slices_wake_a_pacer_of_parts_as_well():
+    pacer, k = learn_noise()
+    assert len(pacer.take(make(k, 600))) == 1
+    assert pacer.is_moving
+
+
+def test_until_the_noise_is_known_nothing_moves():
+    pacer = SlicePacer(SLICE_US)
+    assert take_parts(pacer, 0, [900] * PARTS) == [(0, SLICE_US, 3600)]
+    assert not pacer.is_moving
+
+
+def test_a_lamp_that_stays_does_not_keep_slices_short():
+    pacer, k = learn_noise()
+    pacer.is_idle = True
+    for j in range(1_000):
+        take_parts(pacer, k + j, [200] * PARTS)
+    assert not pacer.is_moving
+
+
+def test_a_part_after_a_gap_does_not_wait():
+    pacer, k = learn_noise()
+    first, last = make(PARTS * k, 90, slice_us=MOVING_US), make(PARTS * k + 2, 90, 5, (), MOVING_US)
+    assert pacer.take(first) == ()
+    before, after = pacer.take(last)
+    assert (before.t_end_us, before.gap) == (first.t_end_us, 0)
+    assert (after.t_begin_us, after.gap) == (last.t_begin_us, 5)
