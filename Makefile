@@ -13,7 +13,7 @@ WHEELHOUSE := .cache/wheelhouse
 EPOCH := $(shell git log -1 --format=%ct 2>/dev/null || echo 315532800)
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-python lint kernel docs pictures fuzz mutants soak room bench dist deb sysext lock try-package system-test clean
+.PHONY: help demo test test-python lint kernel docs pictures fuzz mutants soak room paper dataset bench dist deb sysext lock try-package system-test clean
 
 help: ## list the tasks
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -60,6 +60,12 @@ soak: $(VENV)/.dev ## let a driver play for HOURS=24 of sensor time among faults
 
 room: $(VENV)/.dev ## measure recognition under each nuisance of a real room (ONLY="bump* mains", COUNT=5, SEEDS="1 2", JSON=1)
 	@nice $(BIN)/python -m tests.room $(ONLY) $(if $(COUNT),--count $(COUNT)) $(if $(SEEDS),--seeds $(SEEDS)) $(if $(JSON),--json)
+
+paper: $(VENV)/.dev ## make tables and figures of the documents again from seeds, and say what differs (KEEP=1 replaces the committed ones)
+	@nice $(BIN)/python -m neurotouch_devtools.paper $(if $(KEEP),--keep)
+
+dataset: $(VENV)/.dev ## make the public data set, which is simulated, and compare its checksums (OUT=edition-1, SPLIT=open for a part)
+	@nice $(BIN)/python -m neurotouch_devtools.dataset $(or $(OUT),edition-1) $(if $(SPLIT),--split $(SPLIT))
 
 bench: $(VENV)/.runtime ## measure the speed of every stage on this machine
 	@$(BIN)/neurotouch bench

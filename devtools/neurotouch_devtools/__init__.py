@@ -1,1 +1,1 @@
-"""The emulated camera and the long benchmarks of neurotouch_hid."""
+"""Emulated cameras, long benchmarks, the public data set and ``make paper``."""
