@@ -2,7 +2,6 @@
 
 import importlib.metadata
 import os
-import re
 import struct
 import sys
 import time
@@ -44,6 +43,8 @@ def check_python() -> Finding:
 
 
 def _find_missing() -> list[str]:
+    from packaging.requirements import Requirement
+
     from neurotouch_hid.resources import find_resources
 
     missing = [
@@ -55,14 +56,13 @@ def _find_missing() -> list[str]:
         needed = importlib.metadata.requires(_DISTRIBUTION) or []
     except importlib.metadata.PackageNotFoundError:
         return missing  # run from a checkout that was not installed
-    for requirement in needed:
-        name = re.split(r"[^A-Za-z0-9._-]", requirement, maxsplit=1)[0]
-        if "extra ==" in requirement:
-            continue
+    for requirement in map(Requirement, needed):
+        if requirement.marker and not requirement.marker.evaluate({"extra": ""}):
+            continue  # of another machine, another Python, or an extra
         try:
-            importlib.metadata.version(name)
+            importlib.metadata.version(requirement.name)
         except importlib.metadata.PackageNotFoundError:
-            missing.append(name)
+            missing.append(requirement.name)
     return missing
 
 

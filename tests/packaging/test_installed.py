@@ -29,10 +29,10 @@ TABLE = tomllib.loads((HERE / "calls.toml").read_text())
 LACKS = re.compile(
     r"No DAVIS camera is plugged in|There is no /dev/u\w+ here|No driver is running"
     r"|The token in \S+ cannot be read|no camera|No udev runs here"
-    r"|There is no file '\S+\.labels\.csv'"
+    r"|There is no file '\S+\.labels\.csv'|'camera\.hello\.zip' exists already"
 )
-"""What a copy of a system has not. A fix that ends so has said what is missing, and its own fix is
-typed next."""
+"""What a copy of a system has not, or a home already has. A fix that ends so has said so, and its
+own fix is typed next."""
 
 LEVELS = 3
 """Fixes of fixes of fixes."""
