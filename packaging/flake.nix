@@ -31,6 +31,7 @@
             python.numba
             python.numpy
             python.opencv4
+            python.packaging
             python.pydantic
             python.pyusb
             python.ruamel-yaml
