@@ -2,7 +2,7 @@
 
     python3.14 -m tests.other_python oldest|newest [ARGUMENTS OF PYTEST ...]
 
-Makes the environment anew each time, in ``.cache/python``, beside the list of its libraries.
+Makes a new environment each time, in ``.cache/python``, beside the list of its libraries.
 """
 
 import os
