@@ -9,6 +9,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -199,6 +200,22 @@ def test_prompt_waits_for_what_is_missing():
     assert session.missing == "0 of 5 seconds so far."
     session.next()
     assert session.missing == "No movement was seen yet."
+
+
+def test_rest_ends_while_the_driver_has_lost_the_dots():
+    session = make_waiting_session()
+    session.next()
+    for step in play(SimulatorConfig()):
+        if step.packet.t_end_us > 4_000_000:
+            break
+        session.take(step)
+    seconds = session.list_figures()["seconds"]
+    assert seconds > 2.0
+    unknown = step.markers.rest_px * np.nan
+    session.take(replace(step, markers=replace(step.markers, rest_px=unknown)))
+    assert session.list_figures()["seconds"] == seconds
+    session.next()
+    assert session.rig.px_per_mm == pytest.approx(2.5, rel=0.05)
 
 
 def test_touch_begins_the_rest_again():

@@ -149,7 +149,7 @@ class Session:
         self._strokes: list[Stroke] = []
         self._asked_us = self._judged_us = 0
         self._said = ""
-        self._step: Step | None = None
+        self._at_rest: Step | None = None
         self._view: View | None = None
         self._rest_px: NDArray[np.float32] | None = None
 
@@ -182,7 +182,7 @@ class Session:
         packet = step.packet
         if self.begin_us is None:
             self.begin_us = self._asked_us = packet.t_begin_us
-        self.end_us, self._step, self.gel, self._view = packet.t_end_us, step, step.gel, view
+        self.end_us, self.gel, self._view = packet.t_end_us, step.gel, view
         self._frames += packet.frames
         self.has_events |= len(packet.events) > 0
         stroke = self._finder.take(step)
@@ -209,9 +209,9 @@ class Session:
     def next(self, *, is_skipped: bool = False) -> None:
         """Goes to the next prompt: the person has done this one, or skips it."""
         prompt = self._left.popleft()
-        if prompt.key == REST and self._step is not None and self._rest.seconds >= _LEAST_REST_S:
-            self._motion.set_home(self._step)
-            self._note_place(self._step)
+        if prompt.key == REST and self._at_rest is not None and self._rest.seconds >= _LEAST_REST_S:
+            self._motion.set_home(self._at_rest)
+            self._note_place(self._at_rest)
         strokes = tuple(self._strokes)
         self.spans.append(Span(prompt, self._asked_us, self.end_us, strokes, is_skipped))
         self._begin()
@@ -248,9 +248,8 @@ class Session:
 
     def _note_place(self, step: Step) -> None:
         """Notes where the dots are, before anything touches them."""
-        if step.gel.is_found:
-            self._rest_px = step.markers.rest_px.copy()
-            self.rig = fit_rig(self._rest_px, self._plan.gel)
+        self._rest_px = step.markers.rest_px.copy()
+        self.rig = fit_rig(self._rest_px, self._plan.gel)
 
     def _measure_place(self) -> dict[str, float | None]:
         """Returns where the gel was, in a picture 260 px high, and how bright it was.
@@ -282,8 +281,11 @@ class Session:
         if is_touched and 0.0 < 1e6 * self._rest.seconds < REST_US:
             self.restart()
             return "The gel was touched, so the rest begins again."
-        if not step.gel.is_found or self._finder.quiet_us < _SETTLE_US:
+        # The driver may be too late to follow the dots of a gel that it has found.
+        is_seen = step.gel.is_found and bool(np.isfinite(step.markers.rest_px).all())
+        if not is_seen or self._finder.quiet_us < _SETTLE_US:
             return ""
+        self._at_rest = step
         before = self._rest.seconds
         self._rest.take(step.packet)
         if 1e6 * before < REST_US <= 1e6 * self._rest.seconds:
