@@ -153,7 +153,7 @@ class UsbRedir(Closing):
             self._complete(done)
 
     def _reset(self) -> None:
-        """Forgets what was asked: nobody waits for it any more, and the stream begins anew."""
+        """Forgets what was asked: nobody waits for it any more, and the stream begins again."""
         self._port = Port(self._camera)
         self._asked.clear()
         self._configuration = 0
