@@ -189,6 +189,7 @@ class MarkerTracker:
         self._is_unsure = False
         far_mm = np.hypot(*(gel.points_mm - gel.points_mm.mean(axis=0)).T)
         self._inner = far_mm <= far_mm.max() - gel.pitch_mm
+        self._place_px = np.empty((n, 2))
         self._n_strangers = self._n_strangers_at_rest = 0
         self._n_explained = 0  # pictures in a row that contradict no track
         self._frame_us = 0  # the middle of the last exposure that was followed
@@ -335,7 +336,8 @@ class MarkerTracker:
         self._frame_us = t_us
         is_seen = state["n_missed"] == 0
         unseen = float((~is_seen & ~self._absent).mean())
-        place_px = np.stack([state["x"], state["y"]], axis=1)
+        place_px = self._place_px
+        place_px[:, 0], place_px[:, 1] = state["x"], state["y"]
         n_vanished, self._n_strangers = count_unexplained(
             blobs.centroid_px, blobs.begin, place_px, is_seen, self._absent, self._inner
         )

@@ -1,5 +1,7 @@
 """Markers and dots that contradict that each track follows its own marker."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from neurotouch_hid.geometry import PAPER_GEL, Rig
@@ -31,7 +33,7 @@ def test_a_row_of_tracks_that_is_one_place_off_leaves_a_dot_behind():
     """Its last marker finds the dot ahead taken, and the dot behind its first one is no one's."""
     row = [find_marker(x, 0.0) for x in (-8.0, -4.0, 0.0, 4.0)]
     place_px, seen = REST_PX.copy(), ~NOBODY
-    for here, ahead in zip(row, row[1:], strict=False):
+    for here, ahead in pairwise(row):
         place_px[here] = REST_PX[ahead]
     place_px[row[-1]] += (6.0, 6.0)
     seen[row[-1]] = False
@@ -42,7 +44,9 @@ def test_dots_that_run_together_hide_markers_and_leave_no_dot_over():
     a, b = find_marker(0.0, 0.0), find_marker(4.0, 0.0)
     place_px, seen = REST_PX.copy(), ~NOBODY
     middle_px = 0.5 * (REST_PX[a] + REST_PX[b])
-    place_px[a], place_px[b] = middle_px - (2.0, 0.0), middle_px + (2.0, 0.0)
+    place_px[a] = place_px[b] = middle_px
+    place_px[a, 0] -= 2.0
+    place_px[b, 0] += 2.0
     seen[[a, b]] = False
     points_px = np.concatenate([np.delete(REST_PX, [a, b], axis=0), [middle_px]])
     assert count(points_px, place_px, seen, np.array([12] * 175 + [26])) == (0, 0)
