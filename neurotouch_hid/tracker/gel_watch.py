@@ -26,6 +26,7 @@ _STEADY_PX: Final = 1.0  # a slow push changes more
 _NO_FRAMES_US: Final = 500_000  # a camera sends its first picture sooner
 _LIGHT_SHARE: Final = 0.9  # of the markers are near their places under a light touch
 _SEEN_SHARE: Final = 0.5  # of the markers must be bright dots, wherever a touch moves them
+_WHOLE_SHARE: Final = 0.9  # of the markers; a gel that is partly outside of the picture shows fewer
 
 
 class GelWatch:
@@ -167,14 +168,18 @@ class GelWatch:
         """Returns what is seen instead of the gel; None if a hand may have moved its markers."""
         apart_px = np.hypot(*(blobs.centroid_px - self._centre_px).T)
         share = _SEEN_SHARE * self._n_found
-        unseen = (apart_px < self._radius_px).sum() < share
+        n_inside = int((apart_px < self._radius_px).sum())
+        unseen = n_inside < share
         if not unseen and n_found >= share:
             return None
         if self._is_due(frame.t_us, GelProblem.NO_DOTS):
             self._seen = self._diagnosis.explain(
                 frame, blobs, None, GelProblem.NO_DOTS, moves=False
             )
-        elsewhere = self._seen.problem in (GelProblem.OUTSIDE, GelProblem.SMALL, GelProblem.LARGE)
+        problem = self._seen.problem
+        # Specks at the border of the picture look like a gel that reaches beyond it.
+        is_cut = problem is GelProblem.OUTSIDE and n_inside < _WHOLE_SHARE * self._n_found
+        elsewhere = is_cut or problem in (GelProblem.SMALL, GelProblem.LARGE)
         return self._seen if unseen or elsewhere else None
 
     def _describe(

@@ -16,6 +16,7 @@ from neurotouch_hid.tracker.kernels import correction, nearest, rigid
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US
+from neurotouch_hid.tracker.kernels.unexplained import count_unexplained
 from neurotouch_hid.tracker.quiet_return import QuietReturn
 
 _PAST = 64  # checks remembered: at least 128 ms, longer than exposure and delay of a frame
@@ -34,6 +35,9 @@ _NEVER_US = -(1 << 60)
 _EVENTLESS_US = 1_000_000  # after this time without an event, frames alone show where markers go
 _UNSURE_SHARE = 0.055  # of the markers unseen: others are taken for their neighbours
 _SURE_SHARE = 0.025  # of the markers, which fingers that pinch hide as well
+_MOST_STRANGERS = 2  # dots that are no marker's, beyond those at rest
+_HIDDEN_SHARE = 0.1  # of the markers; more are not hidden by dots that run together
+_EXPLAINED_FRAMES = 2  # in a row, until the markers are told apart again
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
 
@@ -183,6 +187,11 @@ class MarkerTracker:
         self._event_us: int | None = None  # the end of the last slice with events
         self._absent = np.zeros(n, np.bool_)  # markers that the last frame at rest hid
         self._is_unsure = False
+        far_mm = np.hypot(*(gel.points_mm - gel.points_mm.mean(axis=0)).T)
+        self._inner = far_mm <= far_mm.max() - gel.pitch_mm
+        self._place_px = np.empty((n, 2))
+        self._n_strangers = self._n_strangers_at_rest = 0
+        self._n_explained = 0  # pictures in a row that contradict no track
         self._frame_us = 0  # the middle of the last exposure that was followed
         self._last_pixels: NDArray[np.uint8] | None = None
         self._n_mean = 0  # frames in the mean that the rest position is
@@ -237,6 +246,7 @@ class MarkerTracker:
             self._drift(off, elapsed_us)
         self._anchor_us = rest.t_us
         self._absent, self._is_unsure = tracks.state["n_missed"] > 0, False
+        self._n_strangers_at_rest = self._n_strangers
         self._correction.anchor(rest, is_followed=self.follows_frames)
         if not np.abs(self._rest_px - tracks.rest_px).max() < _SHOWN_DRIFT_PX:
             self._rest_px = tracks.rest_px.astype(np.float32)
@@ -312,21 +322,32 @@ class MarkerTracker:
         # A camera that has no new picture in time may send the last one again.
         if self._last_pixels is None or not np.array_equal(frame.pixels, self._last_pixels):
             self._correction.follow(frame, blobs)
-            self._judge(frame.t_us)
+            self._judge(frame.t_us, blobs)
         self._last_pixels = frame.pixels
 
-    def _judge(self, t_us: int) -> None:
+    def _judge(self, t_us: int, blobs: Blobs) -> None:
         """Notes whether frames still tell the markers apart.
 
         They may not where a marker goes more than half of the pitch from frame to frame and others
-        are not seen. Fingers that squeeze dots together hide some as well, but more slowly.
+        are not seen. Fingers that squeeze dots together hide some as well, but then no dot is left
+        over; a patch of tracks that is one place off leaves some behind it.
         """
         state, elapsed_us = self._tracks.state, t_us - self._frame_us
         self._frame_us = t_us
-        unseen = float(((state["n_missed"] > 0) & ~self._absent).mean())
+        is_seen = state["n_missed"] == 0
+        unseen = float((~is_seen & ~self._absent).mean())
+        place_px = self._place_px
+        place_px[:, 0], place_px[:, 1] = state["x"], state["y"]
+        n_vanished, self._n_strangers = count_unexplained(
+            blobs.centroid_px, blobs.begin, place_px, is_seen, self._absent, self._inner
+        )
+        n_more = self._n_strangers - self._n_strangers_at_rest
+        is_explained = n_more <= _MOST_STRANGERS and n_vanished <= _HIDDEN_SHARE * len(state)
+        self._n_explained = self._n_explained + 1 if is_explained else 0
         if self._is_unsure:
-            self._is_unsure = unseen > _SURE_SHARE
-        elif unseen > _UNSURE_SHARE:
+            is_sure = unseen <= _SURE_SHARE or self._n_explained >= _EXPLAINED_FRAMES
+            self._is_unsure = not is_sure
+        elif unseen > _UNSURE_SHARE and not is_explained:
             way_px = 1e-6 * elapsed_us * float(np.hypot(state["vx"], state["vy"]).max())
             self._is_unsure = way_px > 0.5 * NOMINAL_PITCH_PX
 

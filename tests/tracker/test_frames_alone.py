@@ -209,3 +209,40 @@ def test_half_of_the_pitch_is_that_of_the_gel(way_px, is_unsure):
         frame = Frame(draw_dots(seen_px), begin_us, begin_us + 4_000)
         tracker.update(EventPacket(begin_us, begin_us + 8_000, np.empty(0, EVENT_DTYPE), (frame,)))
     assert tracker.is_unsure == is_unsure
+
+
+def squeeze(places_px, n_pairs):
+    """Returns places where pairs of dots in a column in the middle have run together."""
+    squeezed_px = places_px.copy()
+    rows = np.flatnonzero(np.abs(SMALL.points_mm[:, 0]) < 0.1)
+    rows = rows[np.argsort(np.abs(SMALL.points_mm[rows, 1]))][:n_pairs]
+    for i in rows:
+        j = int(np.hypot(*(SMALL.points_mm - SMALL.points_mm[i] - (2.0, 0.0)).T).argmin())
+        squeezed_px[[i, j]] = places_px[[i, j]].mean(axis=0)
+        squeezed_px[i, 0] -= 1.5
+        squeezed_px[j, 0] += 1.5
+    return squeezed_px
+
+
+@pytest.mark.parametrize("n_hidden", [0, 1])
+def test_dots_that_run_together_are_no_haste_and_end_it(n_hidden):
+    """Many dots disappear while the gel goes fast, all at once or first into each other.
+
+    Args:
+        n_hidden: frames in which some dots are not seen for no reason.
+    """
+    rest_px = SMALL.points_mm * 5.0 + (173.0, 130.0)
+    tracker = MarkerTracker(gel=SMALL)
+    tracker.anchor(RestField(0, rest_px.astype(np.float32), is_new=True))
+    hidden = np.hypot(*SMALL.points_mm.T) < 5.0
+    moved_px, unsure = rest_px.copy(), []
+    for k, way_px in enumerate((0.0, 2.0, 4.0, 6.0, 6.5, 6.5, 6.5, 4.0, 2.0, 0.0, 0.0, 0.0)):
+        moved_px[:, 0] += way_px
+        is_hidden = 6 <= k < 6 + n_hidden
+        seen_px = moved_px[~hidden] if is_hidden else squeeze(moved_px, 6 if k > 5 else 0)
+        begin_us = 8_000 * k
+        frame = Frame(draw_dots(seen_px), begin_us, begin_us + 4_000)
+        tracker.update(EventPacket(begin_us, begin_us + 8_000, np.empty(0, EVENT_DTYPE), (frame,)))
+        unsure.append(tracker.is_unsure)
+    assert any(unsure) == bool(n_hidden)
+    assert not unsure[-1]

@@ -371,6 +371,24 @@ def test_a_gel_half_out_of_the_picture_is_refused_however_still(off_px):
     assert show(RestDetector(), *(picture(rig=rig, seed=s) for s in range(30))) is None
 
 
+def test_specks_at_the_border_do_not_end_a_long_push():
+    """They looked like a gel that reaches beyond the picture, and the gel was given up."""
+    detector = RestDetector()
+    show(detector, picture())
+    r = np.hypot(*PAPER_GEL.points_mm.T)
+    right = 6.0 * np.clip(1 - (r / 31) ** 2, 0, 1) ** 0.4 * np.minimum(1, 10.0 / np.maximum(r, 1.0))
+    moved_mm = np.stack([right, np.zeros_like(r)], axis=1)  # more than half of the markers
+
+    def draw(seed):
+        pixels = picture(moved_mm, seed=seed)
+        for x in range(30, 330, 20):
+            pixels[2:5, x : x + 4] = 200
+        return pixels
+
+    show(detector, *(draw(seed) for seed in range(1, 50)))
+    assert detector.gel.is_found
+
+
 @pytest.mark.parametrize("turned_deg", [0.0, 44.0, 46.0, 89.0, 91.0, 180.0, -91.0])
 def test_of_four_turns_that_look_the_same_the_expected_one_is_taken(turned_deg):
     rig = replace(RIG, rotation_rad=np.radians(turned_deg))

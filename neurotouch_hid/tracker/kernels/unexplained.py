@@ -1,0 +1,72 @@
+"""Counts what contradicts that each track follows its own marker, in a picture of a still gel.
+
+Where tracks follow their neighbours, some dots amid the gel belong to no track, and some tracks
+have no dot though nothing hides it. Dots that a hand squeezes together run into each other: then
+tracks lose their dots, but no dot is left over.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.process.kernel_cache import kernel
+from neurotouch_hid.tracker.kernels.correction import MAX_AREA_RATIO
+
+LEAST_AREA_RATIO = 0.35  # to the usual area; a smaller blob is a speck
+MERGED_PX = 4.5  # dots of 4 px, blurred, run together where they are nearer
+
+
+@kernel
+def count_unexplained(
+    points_px: NDArray[np.float64],
+    begin: NDArray[np.int32],
+    place_px: NDArray[np.float64],
+    seen: NDArray[np.bool_],
+    absent: NDArray[np.bool_],
+    inner: NDArray[np.bool_],
+) -> tuple[int, int]:
+    """Returns how many markers and how many dots are unexplained.
+
+    Args:
+        points_px: (m, 2) float64 px, the centroids of the blobs.
+        begin: (m + 1,) int32, where the pixels of each blob begin.
+        place_px: (n, 2) float64 px, the tracks; those with a dot are at its centroid.
+        seen: (n,) bool, the tracks with a dot.
+        absent: (n,) bool, markers that are not seen at rest either.
+        inner: (n,) bool, markers that are not at the rim of the gel.
+
+    Returns:
+        The number of markers without a dot that no dot nearby hides, and the number of clear dots
+        amid the gel that no track has.
+    """
+    n, m = len(place_px), len(points_px)
+    area = np.empty(m, np.float64)
+    for j in range(m):
+        area[j] = begin[j + 1] - begin[j]
+    usual = np.median(np.sort(area)[max(m - n, 0) :]) if m else 0.0
+    most, least = MAX_AREA_RATIO * usual, LEAST_AREA_RATIO * usual
+    n_markers, n_dots = 0, 0
+    for i in range(n):
+        if seen[i] or absent[i]:
+            continue
+        near_px2 = np.inf
+        for k in range(n):
+            if seen[k]:
+                dx, dy = place_px[k, 0] - place_px[i, 0], place_px[k, 1] - place_px[i, 1]
+                near_px2 = min(near_px2, dx * dx + dy * dy)
+        for j in range(m):
+            if area[j] > most:
+                dx, dy = points_px[j, 0] - place_px[i, 0], points_px[j, 1] - place_px[i, 1]
+                near_px2 = min(near_px2, dx * dx + dy * dy)
+        n_markers += near_px2 > MERGED_PX * MERGED_PX
+    for j in range(m):
+        if not least <= area[j] <= most:
+            continue
+        nearest, near_px2 = 0, np.inf
+        for i in range(n):
+            dx, dy = points_px[j, 0] - place_px[i, 0], points_px[j, 1] - place_px[i, 1]
+            px2 = dx * dx + dy * dy
+            if px2 < near_px2 or (px2 == near_px2 and seen[i]):
+                nearest, near_px2 = i, px2
+        is_taken = seen[nearest] and near_px2 == 0.0
+        n_dots += inner[nearest] and not is_taken
+    return n_markers, n_dots
