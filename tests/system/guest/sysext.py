@@ -153,9 +153,9 @@ def _look() -> dict[str, Any]:
 def find_holders() -> dict[str, list[str]]:
     """Finds programs that still use files of an extension that is no longer mounted.
 
-    A program that has loaded a library of ``/usr`` while an extension lay over it keeps this
-    layer, and the loop device of its image, until it ends. The kernel shows such a file by its
-    path in the layer, so without ``/usr``.
+    A program that began, or loaded a library of ``/usr``, while an extension lay over it keeps
+    this layer, and the loop device of its image, until it ends. The kernel shows such a file by
+    its path in the layer, so without ``/usr``.
 
     Returns:
         By process id and name, the paths of the libraries.
@@ -165,8 +165,6 @@ def find_holders() -> dict[str, list[str]]:
         with suppress(OSError):  # it has ended
             words = (line.split() for line in (process / "maps").read_text().splitlines())
             paths = {line[5] for line in words if len(line) > 5 and line[5].startswith(_TOPS)}
-            mounts = (process / "mountinfo").read_text().splitlines()
-            paths |= {line for line in mounts if "sysext" in line or "/dev/loop" in line}
             if paths:
                 name = (process / "comm").read_text().strip()
                 holders[f"{process.name} {name}"] = sorted(paths)
