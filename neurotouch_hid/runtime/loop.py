@@ -12,7 +12,7 @@ from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
 from neurotouch_hid.runtime.pipeline_control import PipelineControl
 from neurotouch_hid.runtime.stall_guard import LIVE_STALL_S, STALL_PERIODS, STALL_S, StallGuard
-from neurotouch_hid.source import ActivityAware, Periodic, PolledSource
+from neurotouch_hid.source import ActivityAware, Periodic, PolledSource, Troubled
 
 Tap = Callable[[Step], None]
 """Reads Steps and never feeds back."""
@@ -62,6 +62,7 @@ def run_pipeline(
         polled, stall_s = source.poll(), LIVE_STALL_S
     aware = source if pipeline.has_frame_thread and isinstance(source, ActivityAware) else None
     periodic = source if isinstance(source, Periodic) else None
+    troubled = source if isinstance(source, Troubled) else None
     slices = events = 0
     first_us = last_us = None
     begun = time.perf_counter()
@@ -95,6 +96,8 @@ def run_pipeline(
                     events += len(packet.events)
                     first_us = packet.t_begin_us if first_us is None else first_us
                     last_us = packet.t_end_us
+                elif troubled is not None and troubled.trouble:
+                    guard.give_up()
                 if on_round is not None:
                     on_round()
                 if stop is not None and stop.is_set():

@@ -54,6 +54,16 @@ class StallGuard(Closing):
         self._was_silent |= self._is_silent()
         self._fed_s = _read_clock_s()
 
+    def give_up(self) -> None:
+        """Sends neutral now: the source knows that no step can follow soon.
+
+        Raises:
+            DeviceError: the pad takes nothing any more.
+        """
+        if self._left_s() > 0:
+            self._device.neutral()
+            self._fed_s -= self.stall_s
+
     def take_silence(self) -> bool:
         """Returns whether there was a long silence since this was last asked, up to now.
 

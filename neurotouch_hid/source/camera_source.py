@@ -84,7 +84,7 @@ class CameraSource(Closing, ABC):
         return (packet for packet in self.poll() if packet is not None)
 
     def poll(self) -> Iterator[EventPacket | None]:
-        """Yields the packets as they arrive, and None whenever none arrived for POLL_S.
+        """Yields the packets as they arrive; None if none did for POLL_S, or the camera fails.
 
         Raises:
             CameraError: the camera thread has failed; a camera that fails is waited for.
@@ -153,6 +153,7 @@ class CameraSource(Closing, ABC):
                             raise
                     except CameraError as error:
                         self._note(error)
+                        self._queue.wake()
                         self._pause(watch)
         finally:
             self._queue.end()

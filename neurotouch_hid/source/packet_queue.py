@@ -18,7 +18,7 @@ class PacketQueue:
         self._limit = limit
         self._packets: deque[EventPacket] = deque()
         self._ready = threading.Condition()
-        self._ended = False
+        self._ended = self._woken = False
 
     def make_room(self, least: int) -> None:
         """Lets at least so many slices wait."""
@@ -48,11 +48,20 @@ class PacketQueue:
                 self._ready.notify()
 
     def take(self, timeout_s: float) -> EventPacket | None:
-        """Returns the oldest slice, or None after ``timeout_s`` or at the end."""
+        """Returns the oldest slice, or None after ``timeout_s``, when woken, or at the end."""
         with self._ready:
-            if not self._packets and not self._ended:
+            if not self._packets and not self._ended and not self._woken:
                 self._ready.wait(timeout_s)
-            return self._packets.popleft() if self._packets else None
+            if self._packets:
+                return self._packets.popleft()
+            self._woken = False
+            return None
+
+    def wake(self) -> None:
+        """Lets the reader know, once it has taken all slices, that it need not wait for one."""
+        with self._ready:
+            self._woken = True
+            self._ready.notify()
 
     @property
     def is_empty(self) -> bool:

@@ -135,5 +135,5 @@ class PolledSource(Source, Protocol):
     """A source that may have no packets for a while, such as a camera that was unplugged."""
 
     def poll(self) -> Iterator[EventPacket | None]:
-        """Yields the packets as they arrive, and None whenever none arrived for 1/20 s."""
+        """Yields the packets as they arrive, and None at least whenever none did for 1/20 s."""
         ...

@@ -245,38 +245,64 @@ def test_a_camera_may_miss_one_beat_and_is_given_up_within_a_tenth_of_a_second()
     assert 2 * beat_s < LIVE_STALL_S < 0.1 < STALL_S
 
 
+class Live:
+    """A camera that sends packets, and then none, for a reason or for none."""
+
+    name, rig = "live", None
+    is_live, is_simulated = True, False
+    n_restarts = 0
+
+    def __init__(self, packets, trouble=""):
+        self._packets, self._reason = packets, trouble
+        self.trouble = ""
+
+    def __iter__(self):
+        raise AssertionError
+
+    def poll(self):
+        yield from self._packets
+        self.trouble = self._reason
+        while True:
+            yield None
+
+    def close(self):
+        pass
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        pass
+
+
 def test_while_a_live_source_has_nothing_the_loop_turns_obeys_and_ends(push, line):
     stop, n_turns = threading.Event(), []
-
-    class Live:
-        name, rig = "live", None
-        is_live, is_simulated = True, False
-
-        def __iter__(self):
-            raise AssertionError
-
-        def poll(self):
-            yield from push.packets[:50]
-            while True:
-                yield None
-
-        def close(self):
-            pass
-
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *_):
-            pass
 
     def count():
         n_turns.append(1)
         if len(n_turns) == 60:
             stop.set()
 
-    stats = run_pipeline(Live(), line, MemoryDevice(), stop=stop, on_round=count)
+    stats = run_pipeline(Live(push.packets[:50]), line, MemoryDevice(), stop=stop, on_round=count)
     assert stats.slices == 50
     assert len(n_turns) == 60
+
+
+@pytest.mark.parametrize("trouble", ["", "The camera is gone."])
+def test_a_camera_that_knows_it_has_failed_releases_the_pad_at_once(
+    push, line, monkeypatch, trouble
+):
+    monkeypatch.setattr("neurotouch_hid.runtime.loop.LIVE_STALL_S", 10_000.0)
+    packets, device, stop, states = held(push), MemoryDevice(), threading.Event(), []
+
+    def look():
+        states.append(device.states[-1] if device.states else None)
+        if len(states) > len(packets):
+            stop.set()
+
+    run_pipeline(Live(packets, trouble), line, device, stop=stop, on_round=look)
+    assert not states[len(packets) - 1].is_neutral
+    assert states[len(packets)].is_neutral == bool(trouble)
 
 
 @pytest.mark.parametrize("fps", [125, 60, 30, 15])

@@ -5,6 +5,8 @@ import numpy as np
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
 from neurotouch_hid.source.packet_queue import PacketQueue
 
+TOO_LONG_S = 10_000.0
+
 
 def make(k, *, is_partial=False):
     return EventPacket(k, k + 1, np.zeros(5, EVENT_DTYPE), is_partial=is_partial)
@@ -45,3 +47,13 @@ def test_slices_that_come_at_once_find_room():
         queue.put(make(k))
     assert [queue.take(0).t_begin_us for _ in range(4)] == [1, 2, 3, 4]
     assert queue.take(0) is None
+
+
+def test_a_reader_that_is_told_not_to_wait_takes_what_is_there_first():
+    queue = PacketQueue(2)
+    queue.put(whole := make(0))
+    queue.wake()
+    assert queue.take(TOO_LONG_S) is whole
+    assert queue.take(TOO_LONG_S) is None
+    queue.put(whole)
+    assert queue.take(TOO_LONG_S) is whole

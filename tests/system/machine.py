@@ -46,6 +46,7 @@ def boot(
     time_limit_s: float,
     program: str = "tests.system.guest",
     keeps_changes: bool = False,
+    port: Path | None = None,
     is_over: Callable[[], bool] = lambda: False,
 ) -> None:
     """Boots, runs the guest's program, powers off.
@@ -56,6 +57,7 @@ def boot(
         time_limit_s: after this time the machine is switched off.
         program: the module that the guest runs.
         keeps_changes: the guest writes to the image, which otherwise stays as it is.
+        port: a socket that becomes a USB port of the machine, for ``UsbRedir``.
         is_over: looked at often; when it says True, the power is cut.
     """
     (results / "start").write_text(_START.format(root=ROOT, program=program))
@@ -64,11 +66,15 @@ def boot(
     disk = f"file={image},format=raw,if=virtio,cache=unsafe"
     if not keeps_changes:
         disk += ",snapshot=on"
+    parts = ("-drive", disk)
+    if port is not None:
+        socket = f"socket,id=port,path={port},server=on,wait=off"
+        parts += ("-device", "qemu-xhci", "-chardev", socket, "-device", "usb-redir,chardev=port")
     if os.access("/dev/kvm", os.R_OK | os.W_OK):
         # Where nested virtualisation is broken, QEMU ends at once or hangs.
-        _run((*_VIRTUAL, "-drive", disk), results, (_KVM_PATIENCE_S, time_limit_s), is_over)
+        _run((*_VIRTUAL, *parts), results, (_KVM_PATIENCE_S, time_limit_s), is_over)
     if not booted.exists():
-        _run((*_EMULATED, "-drive", disk), results, (time_limit_s, time_limit_s), is_over)
+        _run((*_EMULATED, *parts), results, (time_limit_s, time_limit_s), is_over)
 
 
 def _run(
@@ -80,7 +86,7 @@ def _run(
     """Runs the machine until it powers off, or until a limit.
 
     Args:
-        parts: who carries out its instructions, and its disk.
+        parts: who carries out its instructions, its disk and its USB port.
         results: the folder that the guest can write.
         limits_s: until it has booted, and until it has powered off.
         is_over: see ``boot``.

@@ -15,7 +15,7 @@ from tests.system.conftest import (
     CHOSEN,
     IN_CONTAINER,
     LACKS,
-    OF_ITS_OWN,
+    SYSEXT,
     TIME_LIMIT_S,
     compile_unpacked,
     prepare_scene,
@@ -32,8 +32,8 @@ def seen(tmp_path_factory) -> dict:
         pytest.skip("boots a whole Debian, which takes minutes: make system-test")
     if IN_CONTAINER:
         pytest.skip(LACKS)
-    if CHOSEN and OF_ITS_OWN not in CHOSEN:
-        pytest.skip("the chapter 'sysext' was not chosen")
+    if CHOSEN and SYSEXT not in CHOSEN:
+        pytest.skip(f"the chapter {SYSEXT!r} was not chosen")
     missing = find_missing(PACKAGES | SQUASHFS)
     if missing or os.geteuid() != 0:
         pytest.fail(f"the system test needs root and the packages: {' '.join(missing)}")

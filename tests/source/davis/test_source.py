@@ -472,6 +472,17 @@ def test_after_unplugging_the_slices_go_on_later_with_a_gap():
     assert len(times(packets)) == 60
 
 
+def test_who_reads_hears_of_a_failure_without_a_wait(monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.source.camera_source.POLL_S", 10_000.0)
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_events(0, 21), camera.infos.clear, gone()])
+    with open_camera(camera) as source:
+        polled = source.poll()
+        while next(polled) is not None:
+            pass
+        assert "camera" in source.trouble
+
+
 def test_while_it_is_away_the_loop_turns_and_can_be_ended(caplog):
     camera = ScriptedCamera()
     camera.at_reset.append([make_events(0, 21), camera.infos.clear, gone()])

@@ -23,12 +23,26 @@ def main() -> None:
     if (results / "installed.json").exists():
         (results / "found.json").write_text(json.dumps(look()))
         return
-    run("cp", "-r", str(results / "compiled-service"), str(_CACHE))
-    run("chmod", "-R", "a+rwX", str(_CACHE))
+    lay_kernels(results)
     run("sync")  # what the package writes is not flushed with it
     done = run("env", "NUMBA_CPU_NAME=generic", "apt-get", "install", "--yes", find(results))
     (results / "installed.json").write_text(json.dumps(done))
     time.sleep(1000.0)
+
+
+def lay_kernels(results: Path) -> None:
+    """Lays compiled kernels where the service finds them: here that takes a quarter of an hour."""
+    run("cp", "-r", str(results / "compiled-service"), str(_CACHE))
+    run("chmod", "-R", "a+rwX", str(_CACHE))
+
+
+def choose_processor() -> None:
+    """Lets services load the kernels that the host has compiled for any processor."""
+    Path("/etc/systemd/system.conf.d").mkdir(exist_ok=True)
+    Path("/etc/systemd/system.conf.d/test.conf").write_text(
+        "[Manager]\nDefaultEnvironment=NUMBA_CPU_NAME=generic\n"
+    )
+    run("systemctl", "daemon-reexec")
 
 
 def find(results: Path) -> str:
@@ -45,11 +59,7 @@ def look() -> dict[str, Any]:
         "kernels": {path.name.split("-")[0]: is_whole(path) for path in _CACHE.rglob("*.nbc")},
         "checked": run("neurotouch", "profile", "check"),
     }
-    Path("/etc/systemd/system.conf.d").mkdir(exist_ok=True)
-    Path("/etc/systemd/system.conf.d/test.conf").write_text(
-        "[Manager]\nDefaultEnvironment=NUMBA_CPU_NAME=generic\n"
-    )
-    run("systemctl", "daemon-reexec")
+    choose_processor()
     saw["started"] = run("systemctl", "start", SERVICE)
     return {**saw, "pad": find_pad(), "show": show("ActiveState", "NRestarts")}
 

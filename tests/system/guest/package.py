@@ -9,6 +9,7 @@ from typing import Any
 
 from tests.system.guest.camera import PACE
 from tests.system.guest.desk import Desk
+from tests.system.guest.installing import choose_processor, lay_kernels
 from tests.system.guest.observation import (
     D_PAD,
     GEAR,
@@ -61,17 +62,11 @@ def install(desk: Desk) -> dict[str, Any]:
     """``apt install`` while the camera is in: no other command, and the pad is there."""
     if desk.camera is None:
         return {"apt": _install(desk)}
-    Path("/etc/systemd/system.conf.d").mkdir(exist_ok=True)
-    Path("/etc/systemd/system.conf.d/test.conf").write_text(
-        "[Manager]\nDefaultEnvironment=NUMBA_CPU_NAME=generic\n"
-    )
-    run("systemctl", "daemon-reexec")
+    choose_processor()
     # A quarter of the packets, half the work of the emulated camera; and so this file is read.
     Path("/etc/neurotouch").mkdir()
     Path("/etc/neurotouch/camera.yaml").write_text("version: 1\nearly_packet_delay_us: 1000\n")
-    # Compiled on the host for any processor: in the guest it would take a quarter of an hour.
-    run("cp", "-r", str(desk.results / "compiled-service"), str(_CACHE))
-    run("chmod", "-R", "a+rwX", str(_CACHE))
+    lay_kernels(desk.results)
     desk.camera.plug()
     wait_for(find_camera)
     done = _install(desk)
