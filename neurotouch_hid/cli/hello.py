@@ -91,6 +91,7 @@ def command(
     from neurotouch_hid.doctor.hello.archive import make_report, make_settings, write_archive
     from neurotouch_hid.doctor.hello.camera_facts import (
         judge_stream,
+        list_serials,
         read_davis,
         read_opened,
         read_stream,
@@ -142,7 +143,7 @@ def command(
             kind,
             camera,
             is_simulated=is_simulated,
-            secrets=secrets,
+            secrets=secrets | list_serials(driver.source),
             stream=judge_stream(driver.source, plan.gel, seconds),
         )
         own_gel = None if gel_path is None else gel_file

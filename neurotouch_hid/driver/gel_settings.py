@@ -56,7 +56,7 @@ _PAPER: Final = (
     b"making:\n  camera: {name: davis346, width_px: 346, height_px: 260, view_deg: 43.7, "
     b"fill: 0.58, lens_mm: 31, pupil_mm: 30, below_mm: 65}\n"
 )
-"""The gel of the paper as a file; its lens is our guess."""
+"""The gel of the paper as a file, at the paper's scale: 30 px are 12 mm; its lens is our guess."""
 
 _NEEDS: Final[dict[str, tuple[str, ...]]] = {
     "square": ("pitch_mm", "radius_mm"),

@@ -32,13 +32,12 @@ CAMERAS: Final[dict[str, tuple[str, Camera]]] = {
         ),
     ),
     "davis346": (
-        "a DAVIS-346 with a lens of 6 mm, at the scale of the paper",
+        "a DAVIS-346 with a lens of 8 mm",
         Camera(
             name="davis346",
             width_px=346,
             height_px=260,
-            view_deg=43.7,
-            fill=0.58,
+            view_deg=33.5,
             lens_mm=31.0,
             pupil_mm=30.0,
             below_mm=65.0,

@@ -34,7 +34,8 @@ def list_needs(plan: Plan, silicone_ml: float = 0.0) -> list[Need]:
             "1",
             f"camera '{camera.name}'",
             f"{camera.width_px} x {camera.height_px} px, {camera.view_deg:g}° from top to bottom, "
-            "focus and exposure can be fixed; the more pictures a second, the better",
+            f"sharp at {plan.distance:.0f} mm from its lens, focus and exposure can be fixed; the "
+            "more pictures a second, the better",
         )
     ]
     colours = ("black", "white") if plan.gel.light else ("white", "black")

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 import zipfile
 from collections.abc import Iterator
 from dataclasses import replace
@@ -45,10 +46,10 @@ def make_script() -> Script:
     return sequence("hello", push(0.0, 7.0), twist(0.5), rest_us=_REST_US, gap_us=_GAP_US)
 
 
-def play(config: SimulatorConfig, seed: int = 3) -> Iterator[Step]:
+def play(config: SimulatorConfig, seed: int = 3, **nuisances: float) -> Iterator[Step]:
     """Plays the script to a rig; the person makes what it says."""
     pipeline = Pipeline.build(load_profile("default"), GestureConfig())
-    with Simulator(make_script(), config, seed=seed) as source:
+    with Simulator(make_script(), config, nuisances=nuisances, seed=seed) as source:
         for packet in source:
             step = pipeline.advance(packet)
             yield step
@@ -166,14 +167,37 @@ def test_movements_are_recognised_and_directions_right():
     assert answer(meet_usual(), "mirrored").word is Word.NO
 
 
+def light_up(**nuisances: float) -> Session:
+    """Lets a person rest for two seconds, under some light."""
+    session = make_waiting_session()
+    session.next()
+    for step in play(SimulatorConfig(), **nuisances):
+        session.take(step)
+        if step.packet.t_end_us >= 2_000_000:
+            return session
+    raise AssertionError
+
+
+@pytest.mark.parametrize(("lamp", "percent", "hz"), [("mains", 40.0, 100), ("pwm", 30.0, 200)])
+def test_light_that_flickers_is_named(lamp, percent, hz):
+    told = answer(light_up(**{lamp: percent}), "settings")
+    assert told.word is Word.NO
+    assert told.sentence == f"The light flickers at {hz} Hz. Use a lamp that is steady."
+
+
+def test_steady_light_is_not_said_to_flicker():
+    told = answer(light_up(), "settings")
+    assert "flicker" not in told.sentence
+    assert "flicker" not in answer(meet_usual(), "settings").sentence
+
+
 def test_every_open_question_has_an_answer():
-    points = [
-        each.point for each in answer_all(meet_usual(), SourceKind.CAMERA, {}, is_simulated=False)
-    ]
-    assert points == [
-        *("play", "orientation", "mirrored", "settings", "timing", "usb2", "flush", "suspend"),
-        "variant",
-    ]
+    page = (Path(__file__).parents[2] / "docs/hardware.md").read_text()
+    section = page.split("## What only a real camera can tell")[1].split("\n## ")[0]
+    asked = [line.partition("`")[2].partition("`:")[0] for line in re.findall("(?m)^- .*", section)]
+    answers = answer_all(meet_usual(), SourceKind.CAMERA, {}, is_simulated=False)
+    assert [each.point for each in answers] == asked
+    assert all(each.sentence.endswith(".") for each in answers)
 
 
 def test_simulation_answers_nothing():

@@ -233,7 +233,7 @@ def test_own_gel_goes_with_it(tmp_path):
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("px_per_mm: 100", "4.5"),
+        ("px_per_mm: 100", "5.7"),
         ("px_per_mm: .nan", "px_per_mm"),
         ("px_per_mm: two", "px_per_mm"),
         ("frame_us: -5", "frame_us"),

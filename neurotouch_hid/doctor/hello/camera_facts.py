@@ -59,6 +59,12 @@ def read_opened(source: Source, linux: Linux | None = None) -> dict[str, Any]:
     return {}
 
 
+def list_serials(source: Source) -> set[str]:
+    """Returns the serial number of an open event camera of another maker; no report may have it."""
+    info = source.stats().info if isinstance(source, EventCameraSource) else None
+    return {info.serial} if info is not None and info.serial else set()
+
+
 def read_stream(source: Source) -> dict[str, Any]:
     """Returns how a camera other than a DAVIS has sent its data; empty of no camera.
 

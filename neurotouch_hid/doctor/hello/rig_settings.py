@@ -53,7 +53,7 @@ class RigSettings(Strict):
     )
     centre_y_px: float | None = _measured(0.0, 259.0, "The same from its top.", "px")
     px_per_mm: float | None = _measured(
-        1.4, 4.5, "Scale in the middle of the gel, of a picture 260 px high.", "px/mm"
+        1.4, 5.7, "Scale in the middle of the gel, of a picture 260 px high.", "px/mm"
     )
     turn_deg: float | None = _measured(
         -180.0, 180.0, "Turn of the gel in the picture, clockwise.", "deg"

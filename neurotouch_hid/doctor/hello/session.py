@@ -163,7 +163,8 @@ class Session:
         """A sentence about what the present prompt lacks; empty if nothing."""
         prompt = self.prompt
         if prompt is None or prompt.key == LIGHT:
-            return "" if self.gel.is_found or prompt is None else "The gel is not found yet."
+            is_clear = prompt is None or self.gel.is_found or self._is_blind
+            return "" if is_clear else "The gel is not found yet."
         if prompt.key == REST and 1e6 * self._rest.seconds < REST_US:
             return f"{self._rest.seconds:.0f} of 5 seconds so far."
         if prompt.kind is not GestureKind.NONE and not self._strokes:
@@ -198,6 +199,8 @@ class Session:
         if prompt.key == REST:
             return self._take_rest(step, view)
         self.n_lost += packet.gap
+        if self.rig is None and self._is_blind and self._is_settled(step):
+            self._note_place(step)
         self._motion.take(step, self._finder.quiet_us)
         if stroke is None:
             return ""
@@ -238,7 +241,7 @@ class Session:
             **self._measure_place(),
             "px_per_mm": gel.px_per_mm,
             "rotation_deg": gel.rotation_deg,
-            "blur_px": gel.blur_px,
+            "blur_px": None if self._is_blind else gel.blur_px,  # of a frame drawn from events
             "flicker_hz": gel.flicker_hz,
             "contrast_dn": light.get("contrast"),
             "tremble_mm": light.get("noise_mm"),
@@ -281,17 +284,29 @@ class Session:
         if is_touched and 0.0 < 1e6 * self._rest.seconds < REST_US:
             self.restart()
             return "The gel was touched, so the rest begins again."
-        # The driver may be too late to follow the dots of a gel that it has found.
-        is_seen = step.gel.is_found and bool(np.isfinite(step.markers.rest_px).all())
-        if not is_seen or self._finder.quiet_us < _SETTLE_US:
+        if self._is_settled(step):
+            self._at_rest = step
+        elif not self._is_blind or self._finder.quiet_us < _SETTLE_US:
             return ""
-        self._at_rest = step
         before = self._rest.seconds
         self._rest.take(step.packet)
         if 1e6 * before < REST_US <= 1e6 * self._rest.seconds:
             self._judge(self._rest.frames, view)
             return "That is enough. Go on when you like."
         return ""
+
+    @property
+    def _is_blind(self) -> bool:
+        """Events have come, but no frame: the first touch shows the gel, and noise needs none."""
+        return self.has_events and not self._frames
+
+    def _is_settled(self, step: Step) -> bool:
+        """Returns whether the dots of a gel are followed, and nothing has touched it for long.
+
+        The driver may be too late to follow the dots of a gel that it has found.
+        """
+        is_seen = step.gel.is_found and bool(np.isfinite(step.markers.rest_px).all())
+        return is_seen and self._finder.quiet_us >= _SETTLE_US
 
     def _tell_light(self, view: View | None) -> str:
         """Judges light and focus now and then; returns the judgement if it has changed."""

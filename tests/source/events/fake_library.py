@@ -5,6 +5,7 @@ The configurations are the library's own, so what is written into them is checke
 
 import threading
 import time
+from functools import cache
 from types import SimpleNamespace
 
 import neuromorphic_drivers
@@ -38,13 +39,20 @@ def make_events(times, x=0, y=0, on=True):
     return events
 
 
-def magnify(events, view):
-    """What a finer sensor sends: each event in all its pixels that a canonical pixel stands for."""
+@cache
+def sort_places(view):
+    """The canonical pixels of a view in order, and each one's pixel of the sensor."""
     places = find_places(view).ravel()
     order = np.argsort(places, kind="stable")
+    return places[order], order
+
+
+def magnify(events, view):
+    """What a finer sensor sends: each event in all its pixels that a canonical pixel stands for."""
+    places, order = sort_places(view)
     keys = events["x"].astype(np.int64) | events["y"].astype(np.int64) << 16
-    first = np.searchsorted(places[order], keys)
-    counts = np.searchsorted(places[order], keys, side="right") - first
+    first = np.searchsorted(places, keys)
+    counts = np.searchsorted(places, keys, side="right") - first
     which = np.repeat(np.arange(len(events)), counts)
     begin = np.repeat(np.cumsum(counts) - counts, counts)
     pixels = order[first[which] + np.arange(len(which)) - begin]
