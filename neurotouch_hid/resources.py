@@ -5,13 +5,14 @@ from typing import Final, Literal
 
 PACKAGE_FOLDER: Final = Path(__file__).parent
 
-Resource = Literal["profiles", "udev", "modules-load.d", "windows"]
+Resource = Literal["profiles", "udev", "modules-load.d", "windows", "desktop"]
 
 _IN_CHECKOUT: Final[dict[Resource, str]] = {
     "profiles": "profiles",
     "udev": "udev",
     "modules-load.d": "packaging/modules-load.d",
     "windows": "packaging/windows",
+    "desktop": "packaging/desktop",
 }
 
 

@@ -20,16 +20,18 @@ def command(open_browser: bool, port: int | None) -> None:
     itself. The key P pauses and resumes the driver. Ctrl-C ends the page's server; if 'neurotouch
     view' or a demo serves the page already, this command only opens it.
     """
-    from neurotouch_hid.cli.view import open_page, serve_page
+    from neurotouch_hid.cli.view import OPENS_S, open_page, serve_page
     from neurotouch_hid.page.address import Address, read_address
 
     def tell(address: Address) -> None:
         echo(f"Spacecraft: {address.link('game')}")
         if open_browser:
-            open_page(address, "game")
+            opening = open_page(address, "game")
+            if served is not None:  # this program ends now
+                opening.join(OPENS_S)
 
-    address = read_address()
-    if address is not None:
-        tell(address)
+    served = read_address()
+    if served is not None:
+        tell(served)
     else:
         serve_page(tell, edit=True, port=port)  # without edit, a person could not pause there

@@ -1,4 +1,4 @@
-"""``neurotouch setup``: installs the rules for camera and pad, for people who use pip."""
+"""``neurotouch setup``: installs rules and the menu's entry, for people who use pip."""
 
 import os
 import shlex
@@ -11,6 +11,12 @@ from typing import Final
 
 import click
 
+from neurotouch_hid.cli.setup_menu import (
+    find_menu_entry,
+    install_menu_entry,
+    needs_menu_entry,
+    remove_menu_entry,
+)
 from neurotouch_hid.cli.setup_windows import change_windows, list_installed
 from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.doctor.rights import UDEV, has_service
@@ -48,6 +54,8 @@ _MEANING: Final = {
 def command(dry_run: bool, uninstall: bool, yes: bool, windows: bool) -> None:
     """Install the rules that camera and pad need, for people who installed with pip.
 
+    You also get an entry in your desktop's menu of programs.
+
     The Debian package does all this itself, with fewer rights: only its service gets them.
     """
     if windows:
@@ -58,30 +66,39 @@ def command(dry_run: bool, uninstall: bool, yes: bool, windows: bool) -> None:
             "The Debian package is installed, and its service has all the rights it needs.",
             hint="There is nothing to do. See: systemctl status neurotouch",
         )
-    files = _list_files()
+    files, entry = _list_files(), find_menu_entry(os.environ)
+    has_entry = entry.exists() if uninstall else needs_menu_entry(os.environ)
     if uninstall:
         files = {source: target for source, target in files.items() if target.exists()}
         if list_installed(os.environ):
             echo("What the desktop got stays. Remove it: neurotouch setup --windows --uninstall")
-        if not files:
+        if not files and not has_entry:
             echo("Setup has installed nothing here, so there is nothing to remove.")
             return
-    echo("These files will be removed:" if uninstall else "These files will be installed:")
-    for source, target in files.items():
-        echo(f"  {target}\n    {_MEANING[source.name]}")
     script = _remove(files) if uninstall else _install(files)
-    echo("with these commands, as root:")
-    echo(indent("\n".join(script), "  "))
+    if files:
+        echo("These files will be removed:" if uninstall else "These files will be installed:")
+        for source, target in files.items():
+            echo(f"  {target}\n    {_MEANING[source.name]}")
+        echo("with these commands, as root:")
+        echo(indent("\n".join(script), "  "))
+    if has_entry:
+        change = "lose" if uninstall else "get"
+        echo(f"Your own menu of programs will {change} this entry, without root:\n  {entry}")
     if dry_run:
         return
     if not yes:
         click.confirm("Continue?", abort=True)
-    _run_as_root(script)
-    echo(
-        "Done. A camera that is plugged in stays open to you until it is unplugged."
-        if uninstall
-        else "Done. Check with: neurotouch doctor"
-    )
+    if files:
+        _run_as_root(script)
+    if has_entry:
+        remove_menu_entry(entry) if uninstall else install_menu_entry(entry)
+    if not uninstall:
+        echo("Done. Check with: neurotouch doctor")
+    elif files:
+        echo("Done. A camera that is plugged in stays open to you until it is unplugged.")
+    else:
+        echo("Done.")
 
 
 def _list_files() -> dict[Path, Path]:

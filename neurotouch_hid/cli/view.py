@@ -1,17 +1,22 @@
 """``neurotouch view``: serves the page on this machine."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import click
 
 from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
+from neurotouch_hid.errors import NeuroTouchError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from threading import Thread
 
     from neurotouch_hid.page.address import Address
+
+OPENS_S: Final = 10.0
+"""A browser that still runs then is in front of the person, and goes on without this program."""
 
 
 @click.command(
@@ -73,20 +78,53 @@ def command(
 
     served = read_address() if open_browser and listen is None and port is None else None
     if served is not None and served.may_edit >= edit:  # the icon again, or a demo
-        open_page(served)
+        opening = open_page(served)
         echo(f"Page: {served.link()}")
+        opening.join(OPENS_S)
         return
-    serve_page(
-        tell, edit=edit, port=port, listen=listen, token=token, until_stdin_ends=until_stdin_ends
-    )
+    try:
+        serve_page(
+            tell,
+            edit=edit,
+            port=port,
+            listen=listen,
+            token=token,
+            until_stdin_ends=until_stdin_ends,
+        )
+    except NeuroTouchError as error:
+        if open_browser:
+            from neurotouch_hid.cli.ui.notification import notify
+
+            notify("NeuroTouch cannot start", f"{error.message} {error.hint or ''}".strip())
+        raise
 
 
-def open_page(address: "Address", page: str = "") -> None:
-    """Opens a page in the browser; where that is impossible, says so."""
+def open_page(address: "Address", page: str = "") -> "Thread":
+    """Opens a page in the browser, beside the program; where that is impossible, says so.
+
+    Returns:
+        The thread that does it. It may live as long as the browser, so the program, which serves
+        the page, does not wait for it.
+    """
+    from threading import Thread
+
+    opening = Thread(target=_open_link, args=(address.link_for_browser(page),), daemon=True)
+    opening.start()
+    return opening
+
+
+def _open_link(link: str) -> None:
     from neurotouch_hid.cli.ui.browser import open_link
+    from neurotouch_hid.cli.ui.notification import notify
 
-    if not open_link(address.link_for_browser(page)):
-        echo("No browser can be opened from here: open the link yourself.", err=True)
+    if open_link(link):
+        return
+    echo("No browser can be opened from here: open the link yourself.", err=True)
+    notify(
+        "NeuroTouch: no browser opens",
+        "The page is ready, but no web browser shows it. Install one, or choose one in the "
+        "settings of your desktop. Then start NeuroTouch again.",
+    )
 
 
 def serve_page(

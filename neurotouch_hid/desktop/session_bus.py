@@ -244,15 +244,16 @@ def _read_error(body: tuple[Any, ...]) -> str:
 
 def find_kwin_script(environment: Mapping[str, str]) -> Path:
     """Returns where ``neurotouch setup --windows`` installs the script for KWin."""
-    return _find_data(environment) / "neurotouch" / "kwin-windows.js"
+    return find_data_folder(environment) / "neurotouch" / "kwin-windows.js"
 
 
 def find_gnome_extension(environment: Mapping[str, str]) -> Path:
     """Returns the folder where ``neurotouch setup --windows`` installs the extension of GNOME."""
-    return _find_data(environment) / "gnome-shell" / "extensions" / GNOME_UUID
+    return find_data_folder(environment) / "gnome-shell" / "extensions" / GNOME_UUID
 
 
-def _find_data(environment: Mapping[str, str]) -> Path:
+def find_data_folder(environment: Mapping[str, str]) -> Path:
+    """Returns the folder where desktops look for what a person has installed."""
     default = Path(environment.get("HOME", "/")) / ".local" / "share"
     found = Path(environment.get("XDG_DATA_HOME") or default)
     return found if found.is_absolute() else default

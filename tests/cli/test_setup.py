@@ -1,6 +1,10 @@
 """``neurotouch setup`` says what it will do before it does it; tests/system has it do it."""
 
+import os
+import shutil
 import subprocess
+import sys
+import time
 from pathlib import Path
 from textwrap import dedent
 
@@ -63,6 +67,70 @@ def test_root_reads_no_file_of_ours_and_the_text_is_shown(tmp_path):
         (installed,) = tmp_path.rglob(source.name)
         assert installed.read_bytes() == source.read_bytes()
         assert installed.stat().st_mode & 0o777 == 0o644
+
+
+@pytest.fixture
+def person(tmp_path, monkeypatch) -> Path:
+    """The data folder of a person who is not root; its path needs every kind of quoting."""
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    programs = tmp_path / r'my $programs \ "new"'
+    programs.mkdir()
+    (programs / "neurotouch").write_text(
+        '#!/bin/sh\necho "$*" > "$STARTED.part" && mv "$STARTED.part" "$STARTED"\n'
+    )
+    (programs / "neurotouch").chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(programs / "python3"))
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.setenv("XDG_DATA_DIRS", str(tmp_path / "system"))
+    return tmp_path / "data"
+
+
+def test_a_person_gets_an_entry_in_the_menu_and_can_take_it_back(person, folders, programs):
+    entry = person / "applications/neurotouch-hid.desktop"
+    assert str(entry) in run("--dry-run").output
+    assert not entry.exists()
+    assert run("--yes", path=programs).exit_code == 0
+    lines = entry.read_text().splitlines()
+    started = [line.partition("=")[2] for line in lines if line.startswith("Exec=")]
+    assert len(started) == 4
+    assert not [line for line in started if line.startswith("neurotouch")]
+    told = run("--uninstall", "--yes")
+    assert told.exit_code == 0
+    assert str(entry) in told.output
+    assert "as root" not in told.output
+    assert not person.joinpath("applications").exists()
+
+
+def test_the_entry_is_valid_and_starts_this_installation(person, programs, tmp_path):
+    check, gio = shutil.which("desktop-file-validate"), shutil.which("gio")
+    if check is None or gio is None:
+        pytest.skip("needs Debian's packages desktop-file-utils and libglib2.0-bin")
+    assert run("--yes", path=programs).exit_code == 0
+    entry = person / "applications/neurotouch-hid.desktop"
+    subprocess.run([check, str(entry)], check=True)
+    environment = {**os.environ, "STARTED": str(tmp_path / "started")}
+    subprocess.run([gio, "launch", str(entry)], env=environment, check=True, timeout=60)
+    deadline = time.monotonic() + 60.0
+    while not (tmp_path / "started").exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    assert (tmp_path / "started").read_text() == "view --open --edit\n"
+    # Once pipx has removed the program, the menu leaves the entry out.
+    (try_exec,) = (line for line in entry.read_text().splitlines() if line.startswith("TryExec="))
+    named = try_exec.partition("=")[2].replace("\\\\", "\\")
+    assert named == str(Path(sys.executable).with_name("neurotouch"))
+
+
+def test_where_a_package_has_brought_the_entry_setup_adds_none(person, programs):
+    brought = person.parent / "system/applications/neurotouch-hid.desktop"
+    brought.parent.mkdir(parents=True)
+    brought.touch()
+    assert "neurotouch-hid.desktop" not in run("--dry-run").output
+
+
+def test_root_gets_no_entry(person, monkeypatch):
+    monkeypatch.setattr(os, "geteuid", lambda: 0)
+    assert "neurotouch-hid.desktop" not in run("--dry-run").output
 
 
 @pytest.fixture

@@ -25,6 +25,7 @@ INSIDE = {
     "udev": [path.name for path in (ROOT / "udev").glob("*.rules")],
     "modules-load.d": ["neurotouch.conf"],
     "windows": ["kwin-windows.js", "extension.js", "metadata.json"],
+    "desktop": ["neurotouch-hid.desktop"],
 }
 
 

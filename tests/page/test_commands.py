@@ -180,6 +180,40 @@ def test_the_icon_opens_the_page_that_is_served_already(tmp_path, monkeypatch):
     assert found == [link, link]
 
 
+def test_the_page_is_served_while_xdg_open_is_the_browser(tmp_path):
+    shown, browser = tmp_path / "shown", tmp_path / "bin/xdg-open"
+    browser.parent.mkdir()
+    # Under sway or i3 xdg-open starts the browser and waits for its end.
+    browser.write_text(
+        f'#!/bin/sh\necho "$$ $1" > {shown}.part && mv {shown}.part {shown}\nexec sleep 60\n'
+    )
+    browser.chmod(0o755)
+    environment = {
+        **os.environ,
+        "RUNTIME_DIRECTORY": str(tmp_path / "run"),
+        "DISPLAY": ":9",
+        "PATH": f"{browser.parent}:{os.environ['PATH']}",
+    }
+    with subprocess.Popen(
+        [*PROGRAM, "view", "--open"], env=environment, stdout=subprocess.PIPE, text=True
+    ) as process:
+        try:
+            link = process.stdout.readline().split(": ", 1)[1].strip()
+            wait_for_file(shown)
+            pid, opened = shown.read_text().split()
+            assert follow(opened) == link
+        finally:
+            process.terminate()
+    os.kill(int(pid), signal.SIGTERM)  # the browser has outlived the page
+
+
+def wait_for_file(path: Path) -> None:
+    deadline = time.monotonic() + LIMIT_S
+    while not path.exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
 def follow(link: str) -> str:
     """Where a browser gets to that was started with a link."""
     assert "#k=" not in link

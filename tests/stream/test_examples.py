@@ -21,6 +21,8 @@ from tests.stream.test_targets import PINCH
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "streams"
 LIMIT_S = 120.0
+HEADLESS = {"godot": ("--headless",)}
+"""Options with which a program needs no screen."""
 
 
 def find_program(name: str, package: str, required_by: str = "") -> str:
@@ -74,7 +76,7 @@ def test_pure_data_prints_the_strength():
     assert "gesture: symbol pinch" in said
 
 
-MAIN = """\
+MAIN_3 = """\
 extends SceneTree
 
 var gel: Spatial
@@ -93,19 +95,45 @@ func _idle(_delta: float) -> bool:
 \tquit()
 \treturn false
 """
-"""A program of Godot with nothing but the example's node."""
+"""A program of Godot 3 with nothing but the example's node."""
+MAIN_4 = """\
+extends SceneTree
+
+var gel: Node3D
+var frames := 0
+
+func _initialize() -> void:
+\tgel = load("res://gel.gd").new()
+\troot.add_child(gel)
+
+func _process(_delta: float) -> bool:
+\tframes += 1
+\tif gel.position.x == 0.0 and frames < 10000:
+\t\treturn false
+\tprint("moved: %.2f %.2f, turned: %.2f, scale: %.3f" % [
+\t\tgel.position.x, gel.position.z, gel.rotation.y, gel.scale.x])
+\treturn true
+"""
+"""The same of Godot 4."""
 
 
-def test_godot_3_moves_a_node(tmp_path):
-    godot = find_program("godot3-server", "godot3-server")
-    script = (EXAMPLES / "gel_godot3.gd").read_text()
+@pytest.mark.parametrize(
+    ("program", "package", "example", "main"),
+    [
+        ("godot3-server", "godot3-server", "gel_godot3.gd", MAIN_3),
+        ("godot", "godot, from testing on", "gel.gd", MAIN_4),
+    ],
+)
+def test_godot_moves_a_node(tmp_path, program, package, example, main):
+    godot = find_program(program, package)
+    script = (EXAMPLES / example).read_text()
     with open_target(Address("websocket", "127.0.0.1", 0), markers=False) as target:
         (tmp_path / "gel.gd").write_text(script.replace("ws://127.0.0.1:8765", target.name))
-        (tmp_path / "main.gd").write_text(MAIN)
+        (tmp_path / "main.gd").write_text(main)
         (tmp_path / "project.godot").touch()
         with playing(target):
             said = subprocess.run(
-                [godot, "--path", str(tmp_path), "-s", "main.gd"],
+                [godot, "--path", str(tmp_path), "-s", "main.gd", *HEADLESS.get(program, ())],
                 env={**os.environ, "HOME": str(tmp_path), "XDG_DATA_HOME": str(tmp_path)},
                 capture_output=True,
                 check=True,

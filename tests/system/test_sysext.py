@@ -119,3 +119,10 @@ def test_removed_it_leaves_no_trace(seen):
     assert not seen["after"]["allowed"]["/dev/uinput"]
     assert "stays open to you until it is unplugged" in seen["uninstall"]["out"]
     assert not seen["after"]["failed_units"]
+
+
+def test_a_removed_image_is_kept_only_by_other_programs_that_began_meanwhile(seen):
+    holders = seen["after"]["holders"]
+    assert not [name for name in holders if "neurotouch" in name]
+    if not holders:  # the observer itself may be one
+        assert not seen["after"]["loops"]

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import time
 import traceback
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,8 @@ _IMAGE = Path("/var/lib/extensions/neurotouch-hid.raw")
 _HOME = Path(f"/home/{PLAYER}")
 _PLACES = ("/etc", "/usr", "/var", "/run", "-name", "*neurotouch*")
 _STARTS_S = 600.0
+_TOPS = ("/bin/", "/lib/", "/lib64/", "/sbin/")
+"""Of ``/usr``; in the root they are links, under which the kernel shows no file."""
 
 
 class Play:
@@ -142,7 +145,30 @@ def _look() -> dict[str, Any]:
         "usr_is_read_only": run("touch", "/usr/bin/written")["code"] != 0,
         "mounts": run("findmnt", "--noheadings", "--output=FSTYPE", "/usr")["out"].split(),
         "failed_units": run("systemctl", "--failed", "--no-legend", "--plain")["out"],
+        "loops": run("losetup", "--noheadings", "--list", "--output=BACK-FILE")["out"].split("\n"),
+        "holders": find_holders(),
     }
+
+
+def find_holders() -> dict[str, list[str]]:
+    """Finds programs that still use files of an extension that is no longer mounted.
+
+    A program that began, or loaded a library of ``/usr``, while an extension lay over it keeps
+    this layer, and the loop device of its image, until it ends. The kernel shows such a file by
+    its path in the layer, so without ``/usr``.
+
+    Returns:
+        By process id and name, the paths of the libraries.
+    """
+    holders = {}
+    for process in Path("/proc").glob("[0-9]*"):
+        with suppress(OSError):  # it has ended
+            words = (line.split() for line in (process / "maps").read_text().splitlines())
+            paths = {line[5] for line in words if len(line) > 5 and line[5].startswith(_TOPS)}
+            if paths:
+                name = (process / "comm").read_text().strip()
+                holders[f"{process.name} {name}"] = sorted(paths)
+    return holders
 
 
 if __name__ == "__main__":
