@@ -22,6 +22,7 @@ def main() -> None:
         sys.exit(send_command(sys.argv[1]))
     from neurotouch_hid.process.startup import (
         collect_rarely,
+        leave_out_asyncio,
         leave_out_colours,
         leave_out_pydantic_plugins,
         leave_out_scipy,
@@ -29,6 +30,7 @@ def main() -> None:
 
     collect_rarely()
     leave_out_scipy()
+    leave_out_asyncio()
     leave_out_colours()
     leave_out_pydantic_plugins()
     from neurotouch_hid.cli.main import main as run_command_line

@@ -54,7 +54,8 @@ _MEANING: Final = {
 def command(dry_run: bool, uninstall: bool, yes: bool, windows: bool) -> None:
     """Install the rules that camera and pad need, for people who installed with pip.
 
-    You also get an entry in your desktop's menu of programs.
+    You also get an entry in your desktop's menu of programs. Then the program compiles for this
+    processor, which the first start would do otherwise.
 
     The Debian package does all this itself, with fewer rights: only its service gets them.
     """
@@ -85,6 +86,10 @@ def command(dry_run: bool, uninstall: bool, yes: bool, windows: bool) -> None:
     if has_entry:
         change = "lose" if uninstall else "get"
         echo(f"Your own menu of programs will {change} this entry, without root:\n  {entry}")
+    if not uninstall:
+        echo(
+            "Then the program compiles itself for this processor, so that the first start is short."
+        )
     if dry_run:
         return
     if not yes:
@@ -93,12 +98,13 @@ def command(dry_run: bool, uninstall: bool, yes: bool, windows: bool) -> None:
         _run_as_root(script)
     if has_entry:
         remove_menu_entry(entry) if uninstall else install_menu_entry(entry)
-    if not uninstall:
-        echo("Done. Check with: neurotouch doctor")
-    elif files:
-        echo("Done. A camera that is plugged in stays open to you until it is unplugged.")
-    else:
-        echo("Done.")
+    if uninstall:
+        stays = " A camera that is plugged in stays open to you until it is unplugged."
+        echo(f"Done.{stays if files else ''}")
+        return
+    echo("All is installed. Compiling for this processor (once, half a minute) ...")
+    _compile()
+    echo("Done. Check with: neurotouch doctor")
 
 
 def _list_files() -> dict[Path, Path]:
@@ -144,6 +150,27 @@ def _have_udev_look_again() -> list[str]:
         "udevadm trigger --action=change --subsystem-match=usb --attr-match=idVendor=152a",
         "udevadm settle --timeout=10",
     ]
+
+
+def _compile() -> None:
+    """Compiles what the first start would compile; if this fails, the first start does it.
+
+    With ``sudo neurotouch setup`` it would be kept for root, not for the person who plays.
+    """
+    from neurotouch_hid.driver import Driver, DriverOptions
+    from neurotouch_hid.process.kernel_cache import find_cache_trouble
+
+    later = "This will be done at the first start instead."
+    if os.geteuid() == 0 and os.environ.keys() & {"SUDO_UID", "PKEXEC_UID"}:
+        echo(later)
+        return
+    options = DriverOptions(profile="default", device="memory", personal=False, wait=True)
+    try:
+        Driver(options).compile()
+    except NeuroTouchError as error:
+        echo(f"{error} {later}")
+    if trouble := find_cache_trouble():
+        echo(f"Warning: {trouble}")
 
 
 def _list_gates() -> tuple[str, ...]:

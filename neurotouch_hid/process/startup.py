@@ -30,6 +30,14 @@ def leave_out_scipy() -> None:
     sys.modules.setdefault("scipy", None)  # type: ignore[arg-type]  # "no such module"
 
 
+def leave_out_asyncio() -> None:
+    """Keeps evdev from loading asyncio, and with it OpenSSL: 7 MB that no driver uses.
+
+    evdev then offers the same without asynchronous reading. The page still gets asyncio.
+    """
+    sys.modules.setdefault("evdev.eventio_async", None)  # type: ignore[arg-type]  # "no such module"
+
+
 def leave_out_colours() -> None:
     """Keeps numba from colouring its errors, which nobody sees.
 

@@ -12,6 +12,10 @@ import pytest
 from click.testing import CliRunner, Result
 
 from neurotouch_hid.cli import setup
+from neurotouch_hid.driver import Driver
+from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.gesture.elastic.kernels.follow import follow
+from neurotouch_hid.source.davis.kernels.decode import decode
 
 ROOT = Path(__file__).parents[2]
 
@@ -47,15 +51,46 @@ def test_a_dry_run_says_each_file_and_each_command():
 def test_what_it_runs_is_what_it_said(programs):
     said = run("--yes", path=programs)
     assert said.exit_code == 0, said.output
-    shown = said.output.partition("as root:\n")[2].partition("Done.")[0]
+    shown = said.output.partition("as root:\n")[2].partition("Then the program")[0]
     noted = (programs.parent / "noted").read_text()
     start = noted.index("install")
     assert noted[start:] == dedent(shown)
     assert noted[:start].split() in (["sh", "-euc"], ["sudo", "sh", "-euc"])
 
 
+def test_it_compiles_what_a_first_start_would(programs):
+    said = run("--yes", path=programs)
+    assert said.output.endswith("half a minute) ...\nDone. Check with: neurotouch doctor\n")
+    assert follow.signatures
+    assert decode.signatures
+
+
+@pytest.mark.parametrize(
+    ("options", "uid"), [(("--dry-run",), 1000), (("--yes", "--uninstall"), 1000), (("--yes",), 0)]
+)
+def test_it_compiles_only_for_the_person_who_will_play(
+    programs, folders, monkeypatch, options, uid
+):
+    (folders[1] / "neurotouch.conf").touch()
+    monkeypatch.setenv("SUDO_UID", "1000")
+    monkeypatch.setattr(setup.os, "geteuid", lambda: uid)
+    monkeypatch.setattr(Driver, "compile", lambda _: pytest.fail("compiled"))
+    said = run(*options, path=programs)
+    assert said.exit_code == 0, said.output
+
+
+def test_what_cannot_be_compiled_now_is_left_to_the_first_start(programs, monkeypatch):
+    def refuse(_: Driver) -> None:
+        raise NeuroTouchError("The gel's file is damaged.")
+
+    monkeypatch.setattr(Driver, "compile", refuse)
+    said = run("--yes", path=programs)
+    assert said.exit_code == 0, said.output
+    assert "is damaged. This will be done at the first start instead.\nDone." in said.output
+
+
 def test_root_reads_no_file_of_ours_and_the_text_is_shown(tmp_path):
-    shown = run("--dry-run").output.partition("as root:\n")[2]
+    shown = run("--dry-run").output.partition("as root:\n")[2].partition("Then the program")[0]
     assert str(ROOT) not in shown
     copies = dedent(shown).partition("modprobe")[0].replace("/etc/", f"{tmp_path}/etc/")
     subprocess.run(["sh", "-euc", copies], check=True)

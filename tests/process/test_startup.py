@@ -31,6 +31,23 @@ def test_numba_loads_scipy_unless_it_is_left_out():
     assert say(program, PREPARED + "leave_out_scipy(); ") == "False"
 
 
+def test_evdev_loads_asyncio_unless_it_is_left_out():
+    program = "import sys, evdev; evdev.InputDevice; print('ssl' in sys.modules)"
+    assert say(program) == "True", "evdev loads no asyncio: leave_out_asyncio may go"
+    assert say(program, PREPARED + "leave_out_asyncio(); ") == "False"
+
+
+def test_a_started_driver_has_loaded_neither_asyncio_nor_opencv():
+    program = (
+        "import sys; sys.argv[1:] = 'run --source sim:rest --speed max --device memory --seconds "
+        "0.1 --show nothing'.split()\n"
+        "from neurotouch_hid.__main__ import main\n"
+        "try:\n    main()\nexcept SystemExit:\n"
+        "    print({'asyncio', 'ssl', 'cv2', 'evdev'} & {*sys.modules})"
+    )
+    assert say(program) == "{'evdev'}"
+
+
 def test_numba_starts_colorama_unless_it_is_left_out(tmp_path):
     """As Debian's python3-colorama does: its start writes to the terminal at the end."""
     (tmp_path / "colorama.py").write_text(
