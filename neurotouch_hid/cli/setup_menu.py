@@ -39,7 +39,7 @@ def install_menu_entry(entry: Path) -> None:
     Raises:
         NeuroTouchError: it cannot be written, or the program is not a file.
     """
-    program = Path(sys.executable).with_name("neurotouch")
+    program = Path(sys.prefix, "bin", "neurotouch")
     if not program.exists():  # installed without an environment of its own
         found = shutil.which("neurotouch")
         if found is None:
