@@ -108,13 +108,13 @@ def test_root_reads_no_file_of_ours_and_the_text_is_shown(tmp_path):
 def person(tmp_path, monkeypatch) -> Path:
     """The data folder of a person who is not root; its path needs every kind of quoting."""
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
-    programs = tmp_path / r'my $programs \ "new"'
-    programs.mkdir()
+    programs = tmp_path / r'my $programs \ "new"' / "bin"
+    programs.mkdir(parents=True)
     (programs / "neurotouch").write_text(
         '#!/bin/sh\necho "$*" > "$STARTED.part" && mv "$STARTED.part" "$STARTED"\n'
     )
     (programs / "neurotouch").chmod(0o755)
-    monkeypatch.setattr(sys, "executable", str(programs / "python3"))
+    monkeypatch.setattr(sys, "prefix", str(programs.parent))
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     monkeypatch.setenv("XDG_DATA_DIRS", str(tmp_path / "system"))
     return tmp_path / "data"
@@ -153,7 +153,7 @@ def test_the_entry_is_valid_and_starts_this_installation(person, programs, tmp_p
     # Once pipx has removed the program, the menu leaves the entry out.
     (try_exec,) = (line for line in entry.read_text().splitlines() if line.startswith("TryExec="))
     named = try_exec.partition("=")[2].replace("\\\\", "\\")
-    assert named == str(Path(sys.executable).with_name("neurotouch"))
+    assert named == str(Path(sys.prefix, "bin", "neurotouch"))
 
 
 def test_where_a_package_has_brought_the_entry_setup_adds_none(person, programs):
