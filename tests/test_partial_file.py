@@ -22,6 +22,7 @@ OTHERS = {
     "profile/editing/store.py": "a lock",
     "recording/file_output.py": "a recording that can be read while it is written",
     "emulator/usbip.py": "a switch of the kernel",
+    "doctor/hello/led.py": "a switch of the kernel",
 }
 
 

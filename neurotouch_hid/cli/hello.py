@@ -54,6 +54,12 @@ _MOST_RECORDED_US = 600_000_000
     "or sim:NAME (the simulator).",
 )
 @seed_option
+@click.option(
+    "--led",
+    type=click.Path(path_type=Path),
+    help="The file that switches an LED, to measure latency: 'brightness' in a folder of "
+    "/sys/class/leds.",
+)
 @click.option("--force", is_flag=True, help="Replace the file if it exists.")
 @page_option
 @open_option
@@ -62,6 +68,7 @@ def command(
     name: str,
     source: str | None,
     seed: int,
+    led: Path | None,
     force: bool,
     with_page: bool,
     open_browser: bool,
@@ -96,6 +103,7 @@ def command(
         read_opened,
         read_stream,
     )
+    from neurotouch_hid.doctor.hello.led import LedMeter
     from neurotouch_hid.doctor.hello.session import Session
     from neurotouch_hid.driver.gel_settings import find_gel_file, load_gel_file
     from neurotouch_hid.gel_making.plan import make_plan
@@ -106,7 +114,10 @@ def command(
     plan = make_plan(gel_file.settings)
     guided = is_guided(source, "recorded")
     kind = find_source_kind(source)
+    if led is not None and not guided:
+        raise NeuroTouchError("No recording shows an LED now.", hint="Leave --led out.")
     with ExitStack() as stack:
+        meter = None if led is None else stack.enter_context(LedMeter(led))
         page = None
         if with_page or open_browser:
             page = start_page(stack, _BUTTONS, open_browser=open_browser, **_FIRST)
@@ -116,7 +127,7 @@ def command(
             open_silent_driver(source, "recorded" if guided else "max", seed)
         )
         camera = camera or read_opened(driver.source)
-        session = Session(plan, str(kind), guided=guided)
+        session = Session(plan, str(kind), guided=guided, led=meter)
         folder = tempfile.TemporaryDirectory(prefix=".hello-", dir=out.parent)
         kept = Path(stack.enter_context(folder))
         recording = _open_recorder(stack, kept, driver.source, source, seed)

@@ -170,7 +170,7 @@ def answer_all(
         _answer_orientation(camera),
         _answer_mirror(session),
         _answer_settings(session, stream),
-        _answer_timing(camera),
+        _answer_timing(session, camera),
         _answer_usb(session, camera),
         Answer("flush", Word.OPEN, "Whether the camera takes the flush (0xC6) is not noted here."),
         Answer("suspend", Word.OPEN, "The machine was not suspended."),
@@ -243,7 +243,15 @@ def _answer_mirror(session: Session) -> Answer:
     return Answer("mirrored", word, f"The gel is seen {' and '.join(faults)}. {fix}")
 
 
-def _answer_timing(camera: Mapping[str, Any]) -> Answer:
+def _answer_timing(session: Session, camera: Mapping[str, Any]) -> Answer:
+    figures = session.list_figures()
+    usual_ms, most_ms = figures.get("led_latency_ms"), figures.get("led_latency_most_ms")
+    if usual_ms is not None:
+        sentence = (
+            f"From switching on an LED to the slice that shows it: {usual_ms:.1f} ms in the median "
+            f"of {figures['led_flashes']:.0f} flashes, {most_ms:.1f} ms at most."
+        )
+        return Answer("timing", Word.YES, sentence)
     lag_us = camera.get("stamp_to_driver_us")
     sentence = "Latency and what the camera buffers were not measured here."
     if lag_us:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.doctor.gel import Seen, examine_frames
 from neurotouch_hid.doctor.gel_score import GelScore, score_gel
 from neurotouch_hid.doctor.hello.dot_light import measure_dot_light
+from neurotouch_hid.doctor.hello.led import N_FLASHES, LedMeter
 from neurotouch_hid.doctor.hello.meter import (
     REST_US,
     MotionMeter,
@@ -26,6 +27,7 @@ from neurotouch_hid.source.view import MIDDLE_PX, View
 
 LIGHT: Final = "light"
 REST: Final = "rest"
+LED: Final = "led"
 ALL: Final = "everything"
 """A recording follows no prompts: all after its rest is measured together."""
 _SETTLE_US: Final = 800_000
@@ -70,6 +72,10 @@ PROMPTS: Final = (
     Prompt("rest_after", "Rest once more. Leave the gel alone.", GestureKind.NONE),
 )
 
+LED_PROMPT: Final = Prompt(
+    LED, f"Latency. Hold the LED close before the lens, until it has flashed {N_FLASHES} times."
+)
+
 
 @dataclass(frozen=True, slots=True)
 class Span:
@@ -111,6 +117,7 @@ class Session:
         source: the source's kind, in words.
         prompts: what the person is asked for.
         guided: a person follows the prompts; otherwise the first stroke ends the rest.
+        led: an LED, for which the person is asked last.
 
     Attributes:
         spans: what is done.
@@ -130,6 +137,7 @@ class Session:
         prompts: Iterable[Prompt] = PROMPTS,
         *,
         guided: bool = True,
+        led: LedMeter | None = None,
     ) -> None:
         self.spans: list[Span] = []
         self.score: GelScore | None = None
@@ -141,6 +149,9 @@ class Session:
         self.n_lost = 0
         self._plan, self._source, self._guided = plan, source, guided
         self._left = deque(prompts if guided else (PROMPTS[1], Prompt(ALL, "")))
+        self._led = led
+        if led is not None:
+            self._left.append(LED_PROMPT)
         self.n_prompts = len(self._left)
         self._frames: deque[Frame] = deque(maxlen=_N_FRAMES)
         self._rest = RestMeter()
@@ -167,6 +178,9 @@ class Session:
             return "" if is_clear else "The gel is not found yet."
         if prompt.key == REST and 1e6 * self._rest.seconds < REST_US:
             return f"{self._rest.seconds:.0f} of 5 seconds so far."
+        if prompt.key == LED and self._led is not None:
+            n_seen = len(self._led.delays_s)
+            return "" if self._led.is_done else f"{n_seen} of {N_FLASHES} flashes were seen."
         if prompt.kind is not GestureKind.NONE and not self._strokes:
             return "No movement was seen yet."
         if prompt.kind is not GestureKind.NONE and self._finder.quiet_us < _SETTLE_US:
@@ -183,7 +197,9 @@ class Session:
         packet = step.packet
         if self.begin_us is None:
             self.begin_us = self._asked_us = packet.t_begin_us
-        self.end_us, self.gel, self._view = packet.t_end_us, step.gel, view
+        self.end_us, self._view = packet.t_end_us, view
+        if self.prompt is not LED_PROMPT:  # its light may hide the gel
+            self.gel = step.gel
         self._frames += packet.frames
         self.has_events |= len(packet.events) > 0
         stroke = self._finder.take(step)
@@ -198,16 +214,9 @@ class Session:
             return self._tell_light(view)
         if prompt.key == REST:
             return self._take_rest(step, view)
-        self.n_lost += packet.gap
-        if self.rig is None and self._is_blind and self._is_settled(step):
-            self._note_place(step)
-        self._motion.take(step, self._finder.quiet_us)
-        if stroke is None:
-            return ""
-        self._strokes.append(stroke)
-        return (
-            f"{stroke.kind.label.replace('_', ' ')}, {stroke.gesture.intensity_mm:.1f} millimetres"
-        )
+        if prompt.key == LED and self._led is not None:
+            return self._led.take(packet)
+        return self._take_movement(step, stroke)
 
     def next(self, *, is_skipped: bool = False) -> None:
         """Goes to the next prompt: the person has done this one, or skips it."""
@@ -221,6 +230,8 @@ class Session:
 
     def restart(self) -> None:
         """Begins the present prompt again."""
+        if self._led is not None:
+            self._led.restart()
         if self.prompt is not None and self.prompt.key == REST:
             self._rest = RestMeter()
             self._motion = MotionMeter(self._plan.gel, self._rest)
@@ -247,6 +258,7 @@ class Session:
             "tremble_mm": light.get("noise_mm"),
             "dots_missing": float(len(gel.missing)) if gel.is_found else None,
             "lost_events": float(self.n_lost),
+            **({} if self._led is None else self._led.list_figures()),
         }
 
     def _note_place(self, step: Step) -> None:
@@ -294,6 +306,18 @@ class Session:
             self._judge(self._rest.frames, view)
             return "That is enough. Go on when you like."
         return ""
+
+    def _take_movement(self, step: Step, stroke: Stroke | None) -> str:
+        self.n_lost += step.packet.gap
+        if self.rig is None and self._is_blind and self._is_settled(step):
+            self._note_place(step)
+        self._motion.take(step, self._finder.quiet_us)
+        if stroke is None:
+            return ""
+        self._strokes.append(stroke)
+        return (
+            f"{stroke.kind.label.replace('_', ' ')}, {stroke.gesture.intensity_mm:.1f} millimetres"
+        )
 
     @property
     def _is_blind(self) -> bool:
