@@ -143,6 +143,7 @@ class LabelHost:
         return {
             "name": self._name,
             "file": self._file.path.name,
+            "simulated": moments.is_simulated,
             "other": self._other_name,
             "times_ms": [int(t_us - moments.t_us[0]) // 1000 for t_us in moments.t_us],
             "proposals": _write_kinds(moments.proposals),

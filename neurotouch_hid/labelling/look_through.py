@@ -92,6 +92,7 @@ class Moments:
         px_per_mm: scale of the picture.
         pictures: the frames.
         view: map from a video's own pictures to the canonical one; None for other recordings.
+        is_simulated: the recording is marked so.
     """
 
     t_us: NDArray[np.int64]
@@ -105,6 +106,7 @@ class Moments:
     px_per_mm: float
     pictures: Pictures
     view: View | None
+    is_simulated: bool
 
     def __len__(self) -> int:
         return len(self.t_us)
@@ -134,7 +136,7 @@ def look_through(
         driver.run([collector])
         source = driver.source
         view = source.view if isinstance(source, PictureSource) else None
-        return collector.finish(recording, view)
+        return collector.finish(recording, view, is_simulated=source.is_simulated)
 
 
 class _Collector:
@@ -179,7 +181,7 @@ class _Collector:
         self._said.append(gesture)
         self._fields.append(markers)
 
-    def finish(self, recording: Path, view: View | None) -> Moments:
+    def finish(self, recording: Path, view: View | None, *, is_simulated: bool) -> Moments:
         """Returns what was collected."""
         if not self._times:
             raise RecordingError(f"'{recording}' has neither events nor pictures.")
@@ -210,4 +212,5 @@ class _Collector:
             px_per_mm,
             self._pictures,
             view,
+            is_simulated,
         )

@@ -29,4 +29,5 @@ def make_moments(kinds, contacts, *, confidence=1.0, peak_mm=0.5, view=None) -> 
         2.5,
         None,
         view,
+        is_simulated=False,
     )

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from neurotouch_hid.messages import Truth
-from neurotouch_hid.recording import RecordingWriter, write_labels
+from neurotouch_hid.recording import RecordingWriter, Simulation, write_labels
 from neurotouch_hid.source.simulator import Script
 from neurotouch_hid.source.simulator.dataset import KINDS, SLICE_US
 from neurotouch_hid.source.simulator.simulated_people import draw_stroke, meet_person
@@ -25,7 +25,7 @@ def write_recording(path: Path, seconds: float, seed: int) -> list[Truth]:
     script = Script("mixed", tuple(strokes), round(seconds * 1e6))
     truths: list[Truth] = []
     with (
-        RecordingWriter(path) as writer,
+        RecordingWriter(path, simulation=Simulation("tests", "sim:mixed", seed=seed)) as writer,
         Simulator(script, config, seed=seed, slice_us=SLICE_US) as simulator,
     ):
         for packet in simulator:

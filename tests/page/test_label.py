@@ -164,6 +164,7 @@ def test_a_minute_takes_at_most_four_and_agrees_with_the_truth(label, open_page,
     _, moments, truth = played
     page = open_page(label.link)
     wait_for(page, "progress", "0 %")
+    assert page.text_content("#recording") == "SIMULATED: play.aedat4 → play.anna.labels.csv"
     person = Person(page, moments, truth)
     person.change(lambda: person.press("a"))
     person.correct_gestures(moments.t_us)

@@ -28,7 +28,8 @@ const wire = connect(0, [{
   hello(_, { recording: told }) {
     const isNew = recording === null;
     recording = told;
-    part("recording").textContent = `${told.name} → ${told.file}`;
+    const origin = told.simulated ? "SIMULATED: " : "";
+    part("recording").textContent = `${origin}${told.name} → ${told.file}`;
     part("difference").hidden = told.others === null;
     notice("");
     if (isNew) makeTypes();
