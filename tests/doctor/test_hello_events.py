@@ -8,36 +8,26 @@ from click.testing import CliRunner
 
 from neurotouch_hid.cli.hello import command
 from neurotouch_hid.doctor.hello.rig_settings import load_rig
-from neurotouch_hid.doctor.hello.session import Session
 from neurotouch_hid.runtime.worker import InlineRest
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.script import sequence
 from neurotouch_hid.source.simulator.strokes import push, twist
+from tests.doctor.attendant import Attendant
 from tests.source.events.fake_library import Camera, Library, magnify
 
 _GAP_US = 1_300_000
 
 
-class Person:
+class Person(Attendant):
     """Presses Enter at a time of the camera for each prompt; None: leaves it out."""
 
-    def __init__(self, monkeypatch, times_us) -> None:
-        self.session, self.times_us = None, times_us
+    times_us = ()
 
-        def note(session, *slice_):
-            self.session = session
-            return take(session, *slice_)
-
-        take = Session.take
-        monkeypatch.setattr(Session, "take", note)
-
-    def poll(self) -> str | None:
-        if self.session is None:
-            return None
-        time_us = self.times_us[len(self.session.spans)]
+    def answer(self, session):
+        time_us = self.times_us[len(session.spans)]
         if time_us is None:
             return "s"
-        return "" if self.session.end_us >= time_us else None
+        return "" if session.end_us >= time_us else None
 
 
 def test_whole_hello_of_a_camera_without_frames(tmp_path, monkeypatch):
@@ -57,8 +47,7 @@ def test_whole_hello_of_a_camera_without_frames(tmp_path, monkeypatch):
     )
     pushed_us, turned_us = (each.end_us + _GAP_US - 100_000 for each in script.strokes[1:])
     times_us = (500_000, 6_500_000, pushed_us, None, None, None, turned_us, None, None)
-    person = Person(monkeypatch, times_us)
-    monkeypatch.setattr("neurotouch_hid.cli.ui.keyboard.Keyboard", lambda: person)
+    Person(monkeypatch).times_us = times_us
     monkeypatch.chdir(tmp_path)
     result = CliRunner().invoke(command, ["desk", "--source", "events:"])
     assert result.exit_code == 0, (result.output, result.exception)

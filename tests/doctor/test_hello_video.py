@@ -18,30 +18,19 @@ from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.source.events.source import EventCameraSource
 from neurotouch_hid.source.video.live import VideoCameraSource
 from neurotouch_hid.vocabulary import SourceKind
+from tests.doctor.attendant import Attendant
 from tests.source.events.fake_library import Camera, Library, make_events
 from tests.source.video.fake_camera import FakeCamera, FakeLinux
 from tests.source.video.gel_pictures import draw_gel, middle_rig
 
 
-class Person:
+class Person(Attendant):
     """Does what is asked as long as nobody must touch the gel, however slow the machine is."""
 
-    def __init__(self, monkeypatch) -> None:
-        self.session = None
-
-        def note(session, *slice_):
-            self.session = session
-            return take(session, *slice_)
-
-        take = Session.take
-        monkeypatch.setattr(Session, "take", note)
-
-    def poll(self) -> str | None:
-        if self.session is None or self.session.prompt is None:
-            return None
-        if self.session.prompt.key not in (LIGHT, REST):
+    def answer(self, session):
+        if session.prompt.key not in (LIGHT, REST):
             return "s"
-        return None if self.session.missing else ""
+        return None if session.missing else ""
 
 
 def plug_webcam(monkeypatch, **options) -> FakeCamera:
@@ -58,8 +47,7 @@ def plug_webcam(monkeypatch, **options) -> FakeCamera:
 def test_whole_hello_of_a_webcam(tmp_path, monkeypatch):
     plug_webcam(monkeypatch)
     monkeypatch.chdir(tmp_path)
-    person = Person(monkeypatch)
-    monkeypatch.setattr("neurotouch_hid.cli.ui.keyboard.Keyboard", lambda: person)
+    Person(monkeypatch)
     result = CliRunner().invoke(command, ["desk", "--source", "video:"])
     assert result.exit_code == 0, (result.output, result.exception)
     path = tmp_path / "desk.hello.zip"

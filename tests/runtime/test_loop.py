@@ -318,26 +318,12 @@ def test_a_source_of_pictures_may_miss_one_and_is_given_up_before_three(
 
     monkeypatch.setattr("neurotouch_hid.runtime.loop.StallGuard", Kept)
 
-    class Video:
-        name, rig = "video:", None
-        is_live, is_simulated = True, False
+    class Video(Live):
         period_s, n_lost = 1 / fps, 0
-
-        def __iter__(self):
-            raise AssertionError
 
         def poll(self):
             yield from push.packets[:50]
 
-        def close(self):
-            pass
-
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *_):
-            pass
-
-    run_pipeline(Video(), line, MemoryDevice())
+    run_pipeline(Video([]), line, MemoryDevice())
     (guard,) = guards
     assert 2 / fps < guard.stall_s < max(0.1, 3 / fps)

@@ -179,13 +179,10 @@ class UsbRedir(Closing):
         return kind, number, self._read(length)
 
     def _read(self, n_bytes: int) -> bytes:
-        parts = bytearray()
-        while len(parts) < n_bytes:
-            part = self._socket.recv(n_bytes - len(parts))
-            if not part:
-                raise ConnectionError
-            parts += part
-        return bytes(parts)
+        data = self._socket.recv(n_bytes, socket.MSG_WAITALL)
+        if len(data) < n_bytes:
+            raise ConnectionError
+        return data
 
 
 def _describe_interfaces(configuration: bytes) -> list[tuple[_Kind, bytes]]:

@@ -18,7 +18,7 @@ from tests.system.guest.observation import Reader, find_pad, main_pid, run, wait
 
 ASLEEP_S = 5
 SAW = "SAW "
-_HERE = Path("/root/tests/system")
+_HERE = Path("/opt/tests/system")
 _ALARM = Path("/sys/class/rtc/rtc0/wakealarm")
 
 
@@ -29,7 +29,7 @@ def install(results: Path) -> None:
     done = run("apt-get", "install", "--yes", find(results))
     _HERE.mkdir(parents=True)
     run("cp", "-r", str(Path(__file__).parent), str(_HERE))
-    run("systemd-run", "--working-directory=/root", "python3", "-m", __spec__.name)
+    run("systemd-run", "--working-directory=/opt", "python3", "-m", __spec__.name)
     (results / "installed.json").write_text(json.dumps(done))
     time.sleep(10_000.0)
 
