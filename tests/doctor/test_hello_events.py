@@ -70,7 +70,8 @@ def test_whole_hello_of_a_camera_without_frames(tmp_path, monkeypatch):
     assert "as simulated" in told["hot_pixels"]
     assert "this run does not show it" in told["blur_px"]
     settings = load_rig(path).settings
-    assert settings.camera == "events"
+    assert settings.camera == "events-only"
+    assert settings.list_nuisances() == {"frames": 0.0}
     assert settings.px_per_mm == pytest.approx(2.5, rel=0.02)
     assert settings.centre_x_px == pytest.approx(172.5, abs=0.5)
     assert settings.turn_deg == pytest.approx(0.0, abs=0.3)

@@ -65,6 +65,41 @@ class Light:
         return EventPacket(t_us, t_us + SLICE_US, events, frames)
 
 
+class SlowLight(Light):
+    """Pixels that follow the logarithm of the light as a first-order low pass, with noise.
+
+    Args:
+        folder: for the file.
+        bandwidth_hz: their corner.
+        most_per_us: as many events can be sent.
+    """
+
+    def __init__(self, folder, bandwidth_hz, most_per_us=np.inf):
+        super().__init__(folder, late=0)
+        self.constant_us = 1e6 / (2.0 * np.pi * bandwidth_hz)
+        self.most_per_us = most_per_us
+        self.rng = np.random.default_rng(3)
+        self.flash_us = np.zeros(0)
+
+    def show(self, n):
+        """Nothing is left of a flash when the next one comes."""
+        end_us = SLICE_US * n
+        if self.history[-1] and not any(self.history[-2:-1]):
+            began_us = end_us - SLICE_US + self.rng.uniform(0.0, 0.8 * SLICE_US)
+            step = self.rng.uniform(0.5, 2.5, 4_000)  # logarithm of how much brighter it is
+            threshold = self.rng.normal(0.2, 0.03, step.shape)
+            shares = np.concatenate([k * threshold / step for k in range(1, 40)])
+            own = began_us - self.constant_us * np.log(1.0 - shares[(shares > 0) & (shares < 1)])
+            sent = began_us + np.arange(len(own)) / self.most_per_us
+            self.flash_us = np.maximum(np.sort(own), sent)
+        inside = (self.flash_us >= end_us - SLICE_US) & (self.flash_us < end_us)
+        noise = self.rng.uniform(end_us - SLICE_US, end_us, 300)
+        times_us = np.sort(np.concatenate([self.flash_us[inside], noise]))
+        events = np.zeros(len(times_us), EVENT_DTYPE)
+        events["t"], events["p"] = times_us, True
+        return EventPacket(end_us - SLICE_US, end_us, events, ())
+
+
 def flash(meter, light, most_s=60.0):
     """Shows slices until enough flashes were seen; returns what the person hears."""
     told = []
@@ -111,6 +146,30 @@ def test_a_light_that_is_too_far_away_is_told(tmp_path):
         told = flash(meter, light, 10.0)
         assert meter.list_figures()["led_latency_ms"] is None
     assert set(told) == {"The LED is not seen. Hold it nearer to the lens."}
+
+
+@pytest.mark.parametrize("bandwidth_hz", [20.0, 100.0, 300.0, 1_000.0])
+def test_bandwidth_is_at_least_what_is_told(tmp_path, bandwidth_hz):
+    light = SlowLight(tmp_path, bandwidth_hz)
+    with LedMeter(light.path, light.now_s) as meter:
+        flash(meter, light)
+        figures = meter.list_figures()
+    assert figures["bandwidth_hz"] == pytest.approx(bandwidth_hz, rel=0.2)
+    assert figures["bandwidth_hz"] < 1.05 * bandwidth_hz
+
+
+def test_a_flood_makes_it_less_and_never_more(tmp_path):
+    light = SlowLight(tmp_path, 300.0, most_per_us=1.0)
+    with LedMeter(light.path, light.now_s) as meter:
+        flash(meter, light)
+        assert 1.0 < meter.list_figures()["bandwidth_hz"] < 300.0
+
+
+def test_frames_tell_no_bandwidth(tmp_path):
+    light = Light(tmp_path, frames=True)
+    with LedMeter(light.path, light.now_s) as meter:
+        flash(meter, light)
+        assert meter.list_figures()["bandwidth_hz"] is None
 
 
 @pytest.mark.parametrize("content", [b"", b"my text", None])

@@ -223,6 +223,17 @@ def test_camera_without_events_gives_clips(tmp_path):
     assert (tmp_path / "set" / "user1-push.mkv").exists()
 
 
+@pytest.mark.usefixtures("short_rest")
+def test_camera_without_frames_gives_none(tmp_path):
+    path = write_zip(tmp_path / "a.hello.zip", {FILE: RigSettings(camera="events-only").format()})
+    result = run(tmp_path / "set", "--like", path, "--users", "1", "--minutes", "0.1")
+    assert result.exit_code == 0, result.output
+    with open_source(str(tmp_path / "set" / "user1-push.aedat4"), speed="max") as source:
+        packets = list(source)
+    assert not any(packet.frames for packet in packets)
+    assert sum(len(packet.events) for packet in packets) > 100_000
+
+
 def test_own_gel_goes_with_it(tmp_path):
     gel = "layout: {kind: hex, pitch_mm: 5, radius_mm: 28}\ndot_mm: 1.5\n"
     path = write_zip(tmp_path / "a.hello.zip", {FILE: "version: 1\n", GEL_FILE: gel})

@@ -100,16 +100,25 @@ _ABSOLUTE: Final = {
 }
 """Differences up to which these count as the same: near 0, a share of them says nothing."""
 
-_UNKNOWN: Final = (
-    ("stiffness", "Stiffness is not measurable without force: nothing here weighs the finger."),
-    ("bandwidth", "Bandwidth was not measured: it needs a light that flashes at a known rate."),
-)
+_STIFFNESS: Final = "Stiffness is not measurable without force: nothing here weighs the finger."
+_SIMULATED_BANDWIDTH_HZ: Final = 300.0
+"""Of a white pixel."""
 
 
 def compare(figures: Mapping[str, float | None]) -> list[Difference]:
     """Returns how this gel and camera differ from the simulated ones, a sentence each."""
     found = [_compare(name, figures.get(name)) for name in _FIGURES]
-    return [*found, *(Difference(name, None, None, text) for name, text in _UNKNOWN)]
+    stiffness = Difference("stiffness", None, None, _STIFFNESS)
+    return [*found, stiffness, _compare_bandwidth(figures.get("bandwidth_hz"))]
+
+
+def _compare_bandwidth(here: float | None) -> Difference:
+    simulated = f"The simulated one has {_SIMULATED_BANDWIDTH_HZ:.0f} Hz at white."
+    if here is None:
+        sentence = "Bandwidth was not measured: that needs events, and an LED given by '--led'."
+    else:
+        sentence = f"Bandwidth in the light of the LED: at least {here:.0f} Hz. {simulated}"
+    return Difference("bandwidth_hz", here, _SIMULATED_BANDWIDTH_HZ, sentence)
 
 
 def _compare(name: str, here: float | None) -> Difference:

@@ -14,7 +14,7 @@ from neurotouch_hid.doctor.bug_report import list_rules, make_cleaner
 from neurotouch_hid.doctor.finding import Finding
 from neurotouch_hid.doctor.hello.answers import answer_all, compare
 from neurotouch_hid.doctor.hello.rig_fitting import fit_rig_settings
-from neurotouch_hid.doctor.hello.rig_settings import FILE, GEL_FILE
+from neurotouch_hid.doctor.hello.rig_settings import FILE, GEL_FILE, CameraKind
 from neurotouch_hid.doctor.hello.session import Session, Span
 from neurotouch_hid.driver.gel_settings import GelFile
 from neurotouch_hid.partial_file import PartialFile
@@ -96,7 +96,7 @@ def make_settings(
         figures,
         seen.layout,
         seen.missing,
-        has_events=session.has_events,
+        camera=_name_camera(session),
         is_simulated=is_simulated,
     )
     if settings is None:
@@ -106,6 +106,13 @@ def make_settings(
         plain = gel.settings.model_dump(mode="json", exclude_unset=True, exclude={"making"})
         texts[GEL_FILE] = f"{json.dumps(plain, indent=1)}\n"
     return texts
+
+
+def _name_camera(session: Session) -> CameraKind:
+    """Returns what kind of camera the simulator must show."""
+    if not session.has_events:
+        return "pictures"
+    return "events" if session.has_frames else "events-only"
 
 
 def format_prompts(spans: Iterable[Span]) -> str:

@@ -1,5 +1,6 @@
-"""Measures latency by an LED before the lens: from switching it on to the slice that shows it."""
+"""Measures latency and bandwidth by an LED before the lens, which the computer switches."""
 
+import math
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -7,6 +8,7 @@ from statistics import median
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import NeuroTouchError
@@ -25,6 +27,13 @@ _LEAST_EVENTS_S: Final = 200_000.0
 """ON events/s beyond those of the dark, in which nothing moves."""
 _BRIGHTER_DN: Final = 5.0
 """Of the mean of a frame."""
+_LIT_S: Final = 0.05
+"""The LED stays on this long once it is seen, so that also slow pixels follow."""
+_LEAST_RISE: Final = 1_000.0
+"""ON events of a flash from which its rise is measured."""
+_BIN_US: Final = 20
+_EARLY: Final = 0.1
+_HALF: Final = 0.5
 _UNSEEN: Final = 3
 _MOST_BYTES: Final = 16
 
@@ -39,6 +48,7 @@ class LedMeter(Closing):
 
     Attributes:
         delays_s: of each flash that was seen, the time until a slice that shows it was finished.
+        rises_us: of each flash that events show, the time from the first tenth of them to half.
 
     Raises:
         NeuroTouchError: the LED cannot be switched.
@@ -46,6 +56,7 @@ class LedMeter(Closing):
 
     def __init__(self, path: Path, clock_s: Callable[[], float] = time.monotonic) -> None:
         self.delays_s: list[float] = []
+        self.rises_us: list[float] = []
         self._path, self._clock_s = path, clock_s
         self._before = _read(path)
         self._bright = _read_brightest(path)
@@ -53,6 +64,9 @@ class LedMeter(Closing):
         self._switched_s = 0.0
         self._usual_events_s = 0.0
         self._usual_dn: float | None = None
+        self._delay_s = 0.0
+        self._lit: list[NDArray[np.int64]] = []
+        """Times of the ON events since it is seen."""
         self._n_unseen = 0
         self._switch(on=False)
 
@@ -68,6 +82,8 @@ class LedMeter(Closing):
     def restart(self) -> None:
         """Forgets the flashes that were seen."""
         self.delays_s.clear()
+        self.rises_us.clear()
+        self._lit.clear()
         self._n_unseen = 0
         self._switch(on=False)
 
@@ -86,11 +102,8 @@ class LedMeter(Closing):
         if not self._is_on:
             self._wait(since_s, events_s, level_dn)
             return ""
-        if self._shows(events_s, level_dn):
-            self.delays_s.append(since_s)
-            self._n_unseen = 0
-            self._switch(on=False)
-            return "That is enough. Go on when you like." if self.is_done else ""
+        if self._lit or self._shows(events_s, level_dn):
+            return self._watch(packet, since_s)
         if since_s < _PATIENCE_S:
             return ""
         self._n_unseen += 1
@@ -99,13 +112,34 @@ class LedMeter(Closing):
             "" if self._n_unseen % _UNSEEN else "The LED is not seen. Hold it nearer to the lens."
         )
 
+    def _watch(self, packet: EventPacket, since_s: float) -> str:
+        """Collects the events of a flash that is seen, until the LED may go off."""
+        if not self._lit:
+            self._delay_s = since_s
+        self._lit.append(packet.events["t"][packet.events["p"] > 0])
+        if since_s < self._delay_s + _LIT_S:
+            return ""
+        rise_us = _measure_rise(np.concatenate(self._lit), 1e-6 * self._usual_events_s)
+        if rise_us is not None:
+            self.rises_us.append(rise_us)
+        self.delays_s.append(self._delay_s)
+        self._n_unseen = 0
+        self._lit.clear()
+        self._switch(on=False)
+        return "That is enough. Go on when you like." if self.is_done else ""
+
     def list_figures(self) -> dict[str, float | None]:
-        """Returns the figures; None for what was not seen."""
+        """Returns the figures; None for what was not seen.
+
+        ``bandwidth_hz`` is the least that the photoreceptors can have: of a first-order low pass
+        that rises as the events did, although the LED and the readout take time as well.
+        """
         delays_ms = [1e3 * each for each in self.delays_s]
         return {
             "led_flashes": float(len(delays_ms)),
             "led_latency_ms": median(delays_ms) if delays_ms else None,
             "led_latency_most_ms": max(delays_ms, default=None),
+            "bandwidth_hz": _find_bandwidth(median(self.rises_us)) if self.rises_us else None,
         }
 
     def _wait(self, since_s: float, events_s: float, level_dn: float | None) -> None:
@@ -135,6 +169,30 @@ class LedMeter(Closing):
                 file.write(b"%d\n" % brightness)
         except OSError as error:
             raise _refuse(self._path, error.strerror or "it fails") from error
+
+
+def _measure_rise(times_us: NDArray[np.int64], usual_per_us: float) -> float | None:
+    """Returns the time from the first tenth of a flash's events to half; None if it shows none.
+
+    Args:
+        times_us: (n,) int64, when pixels became brighter.
+        usual_per_us: as many come without a flash.
+    """
+    if not len(times_us):
+        return None
+    counts = np.bincount((times_us - times_us.min()) // _BIN_US)
+    sums = np.cumsum(counts - usual_per_us * _BIN_US)
+    most = sums.max()
+    if most < _LEAST_RISE:
+        return None
+    early, half = (int(np.argmax(sums >= share * most)) for share in (_EARLY, _HALF))
+    return float(_BIN_US * max(half - early, 1))
+
+
+def _find_bandwidth(rise_us: float) -> float:
+    """Returns the corner of a first-order low pass, in Hz, whose step rises in this time."""
+    constant_us = rise_us / math.log((1.0 - _EARLY) / (1.0 - _HALF))
+    return 1e6 / (2.0 * math.pi * constant_us)
 
 
 def _read(path: Path) -> int:

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.doctor.hello.dot_light import measure_dot_light
-from neurotouch_hid.doctor.hello.rig_settings import RigSettings, blur_at_usual_scale
+from neurotouch_hid.doctor.hello.rig_settings import CameraKind, RigSettings, blur_at_usual_scale
 from neurotouch_hid.geometry import Gel, fit_rig
 from neurotouch_hid.source.simulator.config import SimulatorConfig
 from neurotouch_hid.source.simulator.optics import CameraModel, marker_profile
@@ -38,7 +38,7 @@ def fit_rig_settings(
     gel: Gel,
     missing: tuple[int, ...],
     *,
-    has_events: bool,
+    camera: CameraKind,
     is_simulated: bool,
 ) -> RigSettings | None:
     """Returns the simulator's settings of a rig; None if nothing was measured.
@@ -50,7 +50,7 @@ def fit_rig_settings(
         figures: what was measured, as of ``Session.list_figures``.
         gel: the gel.
         missing: dots that were not seen, as places in ``Gel.points_mm``.
-        has_events: the camera sends events.
+        camera: what the camera sends.
         is_simulated: the rig was a simulation.
     """
     blur_px = _fit_blur(figures, gel)
@@ -76,7 +76,6 @@ def fit_rig_settings(
     known = {name: value for name, value in found.items() if _is_possible(name, value)}
     if not known:
         return None
-    camera: Literal["events", "pictures"] = "events" if has_events else "pictures"
     return RigSettings(simulated=is_simulated, camera=camera, **known)
 
 

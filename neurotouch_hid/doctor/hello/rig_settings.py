@@ -19,6 +19,7 @@ from neurotouch_hid.source.simulator.config import SHIPPED_RIG, SimulatorConfig,
 from neurotouch_hid.source.simulator.optics import PIXEL_BLUR_PX
 from neurotouch_hid.source.simulator.sensor import TICK_US
 
+CameraKind = Literal["events", "events-only", "pictures"]
 FILE: Final = "simulator.yaml"
 GEL_FILE: Final = "gel.yaml"
 """Its parts in the zip file; without a gel, it is the paper's."""
@@ -32,7 +33,7 @@ def _measured(least: float, most: float, description: str, unit: str | None = No
 _HEAD: Final = """\
 # What 'neurotouch hello' measured of one rig, as settings of the simulator:
 # neurotouch simulate OUT --like FILE.hello.zip
-# Only what was measured is here; the rest is as usual. Never measured: the contrast that makes an
+# Only what was measured is here; the rest is as usual. Never here: the contrast that makes an
 # event, bandwidth, stiffness, unevenness of the light, distortion of the lens.
 """
 
@@ -44,9 +45,10 @@ class RigSettings(Strict):
     simulated: bool = Field(
         default=False, description="true: the rig was itself a simulation, and no camera."
     )
-    camera: Literal["events", "pictures"] = Field(
+    camera: CameraKind = Field(
         default="events",
-        description="events: a camera with events and frames. pictures: a camera without events.",
+        description="events: a camera with events and frames. events-only: a camera without "
+        "frames. pictures: a camera without events.",
     )
     centre_x_px: float | None = _measured(
         0.0, 345.0, "Middle of the gel, from the left of a picture of 346 x 260 px.", "px"
@@ -145,7 +147,8 @@ class RigSettings(Strict):
 
     def list_nuisances(self) -> dict[str, float]:
         """Returns what the simulator has as nuisances, by their names."""
-        return {} if self.readout_times is None else {"readout": self.readout_times}
+        found = {} if self.readout_times is None else {"readout": self.readout_times}
+        return {**found, "frames": 0.0} if self.camera == "events-only" else found
 
 
 class RigFile(NamedTuple):

@@ -242,6 +242,11 @@ class Session:
         if self.prompt is not None and self.end_us > self._asked_us:
             self.next(is_skipped=self._guided and not self._strokes)
 
+    @property
+    def has_frames(self) -> bool:
+        """True once the source has sent a frame."""
+        return bool(self._frames)
+
     def list_figures(self) -> dict[str, float | None]:
         """Returns all that was measured; None for what was not, or cannot be."""
         gel = self.gel
@@ -322,7 +327,7 @@ class Session:
     @property
     def _is_blind(self) -> bool:
         """Events have come, but no frame: the first touch shows the gel, and noise needs none."""
-        return self.has_events and not self._frames
+        return self.has_events and not self.has_frames
 
     def _is_settled(self, step: Step) -> bool:
         """Returns whether the dots of a gel are followed, and nothing has touched it for long.
