@@ -45,7 +45,9 @@ def find_faint_spots(
     position_px = np.stack([x, y], axis=1).astype(np.float64)
     for axis, (dx, dy) in enumerate(((1, 0), (0, 1))):  # the top of a parabola through three pixels
         before, here, after = size[y - dy, x - dx], size[y, x], size[y + dy, x + dx]
-        position_px[:, axis] += 0.5 * (before - after) / np.minimum(before - 2 * here + after, -1e-9)
+        position_px[:, axis] += (
+            0.5 * (before - after) / np.minimum(before - 2 * here + after, -1e-9)
+        )
     if not (len(position_px) and len(known_px)):
         return position_px
     apart_px = position_px[:, None] - known_px[None]
