@@ -51,7 +51,9 @@ def find_faint_spots(
     if not (len(position_px) and len(known_px)):
         return position_px
     apart_px = position_px[:, None] - known_px[None]
-    return position_px[np.hypot(apart_px[..., 0], apart_px[..., 1]).min(axis=1) > APART_PX]
+    nearest_px = np.hypot(apart_px[..., 0], apart_px[..., 1]).min(axis=1)
+    alone_px: NDArray[np.float64] = position_px[nearest_px > APART_PX]
+    return alone_px
 
 
 def _filter(
