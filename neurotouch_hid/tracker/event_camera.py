@@ -11,11 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import Rig, fit_rig
+from neurotouch_hid.geometry import Gel, Rig, fit_rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder
+from neurotouch_hid.tracker.faint_spots import find_faint_spots
 from neurotouch_hid.tracker.kernels import event_camera as kernels
-from neurotouch_hid.tracker.lattice import LatticeFinder
+from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
 from neurotouch_hid.tracker.smooth_map import assign, fit_model
 
 _PERIOD_US = 40_000  # from one picture to the next
@@ -40,6 +41,9 @@ _SPOT_GATE = (
 )
 _MODEL_WEIGHT = 1.0  # of a place that the others give, in places seen once
 _MAX_OWN = 0.125  # of the pitch, from there; farther off is another spot
+_FAINT_WEIGHT = 0.5  # of the middle of a dot that has moved by a fraction of its size
+_LEAST_SHARE = 0.5  # of the markers that a light touch has to move, so that it shows the gel
+_LEAST_LOST = 2  # of their spots have no marker if the lattice is taken one pitch beside its place
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -175,11 +179,16 @@ class EventCamera:
         dark = -self._low
         np.maximum(_REMEMBER * self._dark, dark, out=self._dark)
         gel = self._gel
-        lattice = self._lattice.find(
-            self._find_blobs(self._dark), self._rig, near_rad=self._near_rad
-        )
+        all_px = self._find_blobs(self._dark)
+        lattice = self._lattice.find(all_px, self._rig, near_rad=self._near_rad)
+        bright_px = self._find_blobs(self._most)
+        faint_px = np.empty((0, 2))
+        if lattice is None or lattice.share < self._lattice.config.min_share:  # a light touch
+            faint_px = find_faint_spots(self._most, np.concatenate([all_px, bright_px]))
+            all_px = np.concatenate([all_px, faint_px])
+            lattice = self._lattice.find(all_px, self._rig, near_rad=self._near_rad)
         self.n_found = 0 if lattice is None else lattice.n_found
-        if lattice is None or lattice.share < self._lattice.config.min_share:
+        if lattice is None or not self._is_certain(lattice):
             return None
         px_per_mm = fit_rig(lattice.position_px, gel).px_per_mm
         spots_px = self._find_blobs(dark)
@@ -189,7 +198,6 @@ class EventCamera:
         x, y = np.rint(position_px).astype(np.intp).T
         depth = dark[y.clip(0, SENSOR_HEIGHT_PX - 1), x.clip(0, SENSOR_WIDTH_PX - 1)]
         full = float(np.percentile(depth, _FULL_SHARE))
-        bright_px = self._find_blobs(self._most)
         weight = np.where(seen, np.clip(depth / full, 0.0, 1.0), 0.0)
         weight[weight < _FAINT] = 0.0
         for i in np.flatnonzero((weight > 0.0) & (weight < _FULL)):
@@ -201,12 +209,49 @@ class EventCamera:
                 continue
             lead_px = find_lead(float(apart_px[k]), _SIGMA * gel.dot_mm * px_per_mm)
             position_px[i] += lead_px / apart_px[k] * to_bright[k]
+        faint = assign(lattice.position_px, faint_px, _GATE * gel.pitch_mm * px_per_mm)
+        is_faint = (faint >= 0) & ~seen
+        position_px[is_faint], weight[is_faint] = faint_px[faint[is_faint]], _FAINT_WEIGHT
         return _Spots(position_px, weight, px_per_mm, full)
+
+    def _is_certain(self, lattice: Lattice) -> bool:
+        """Returns whether the spots leave no doubt which marker is which.
+
+        A light touch moves only the markers around it enough to leave a spot. They are told apart
+        if some of them are at the rim on each side: then no other place of the lattice explains
+        them.
+        """
+        if lattice.share >= self._lattice.config.min_share:
+            return True
+        if lattice.share < _LEAST_SHARE:
+            return False
+        return count_lost(self._gel, lattice.blob >= 0) >= _LEAST_LOST
 
     def _find_blobs(self, picture: NDArray[np.float32]) -> NDArray[np.float64]:
         above = picture - np.median(picture)
         pixels = np.clip(kernels.BLACK_DN + _GREY / self._noise * above, 0, 255).astype(np.uint8)
         return self._finder.find(pixels).centroid_px.copy()
+
+
+def count_lost(gel: Gel, seen: NDArray[np.bool_]) -> int:
+    """Returns how many seen places have no marker if the lattice is moved to a neighbour's place.
+
+    Args:
+        gel: the gel.
+        seen: (n,) bool, the markers that were seen.
+
+    Returns:
+        The number for the neighbour that explains the seen places best.
+    """
+    points_mm = gel.points_mm
+    middle = int(np.hypot(*(points_mm - points_mm.mean(axis=0)).T).argmin())
+    around = gel.neighbours[middle]
+    least = int(seen.sum())
+    for step_mm in points_mm[around[around >= 0]] - points_mm[middle]:
+        apart_mm = points_mm[seen, None] + step_mm - points_mm[None]
+        nearest_mm = np.hypot(apart_mm[..., 0], apart_mm[..., 1]).min(axis=1)
+        least = min(least, int((nearest_mm > 0.5 * gel.pitch_mm).sum()))
+    return least
 
 
 def find_lead(apart_px: float, sigma_px: float) -> float:

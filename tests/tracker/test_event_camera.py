@@ -5,12 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, GelProblem
 from neurotouch_hid.source.simulator import Simulator, SimulatorConfig
 from neurotouch_hid.source.simulator.config import GelConfig, SensorConfig
 from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 from neurotouch_hid.tracker import MarkerTracker, RestDetector
-from neurotouch_hid.tracker.event_camera import find_lead
+from neurotouch_hid.tracker.event_camera import count_lost, find_lead
+from neurotouch_hid.tracker.faint_spots import find_faint_spots
 from tests.tracker.test_markers import stroke
 
 
@@ -128,3 +130,44 @@ def test_the_lead_is_that_of_two_spots(moved_px):
         (x * part).sum() / part.sum() for part in (np.maximum(-change, 0), np.maximum(change, 0))
     )
     assert find_lead(bright - dark, sigma_px) == pytest.approx(-dark, abs=0.03)
+
+
+def test_one_light_push_shows_the_gel():
+    light = stroke(Finger((3.0, -4.0), (1.2, 0.9), press_mm=1.0), move_us=200_000)
+    simulator = Simulator(sequence("test", light, rest_us=200_000, gap_us=200_000), seed=6)
+    detector = RestDetector()
+    for packet in simulator:
+        drawn = detector.watch(replace(packet, frames=()))
+        if drawn is not None and drawn.rest is not None:
+            break
+    assert detector.gel.is_found
+    assert packet.t_end_us - 200_000 < 2_000_000  # from the touch on
+    off_px = np.hypot(*(drawn.rest.position_px - simulator.truth(0).markers_px).T)
+    assert np.median(off_px) < 1.0
+    assert off_px.max() < 3.0  # no marker is taken for its neighbour
+
+
+def test_markers_around_a_finger_alone_do_not_tell_which_they_are():
+    far_mm = np.hypot(*PAPER_GEL.points_mm.T)
+    assert count_lost(PAPER_GEL, far_mm < 0.8 * PAPER_GEL.radius_mm) == 0
+    to_the_rim = (far_mm < 0.8 * PAPER_GEL.radius_mm) | (PAPER_GEL.points_mm[:, 0] > 0.0)
+    assert count_lost(PAPER_GEL, to_the_rim) == 0  # they may all belong farther left
+    assert count_lost(PAPER_GEL, np.ones(PAPER_GEL.n_markers, np.bool_)) > 10
+
+
+def test_dots_that_have_moved_a_little_are_found_between_their_sides():
+    rng = np.random.default_rng(2)
+    y, x = np.mgrid[:260, :346]
+    places_px = np.array([(60.3, 80.6), (75.0, 92.2), (200.7, 150.1)])
+    change = rng.normal(0.0, 0.3, x.shape)
+    for at_x, at_y in places_px:
+        ahead, behind = (
+            np.exp(-0.5 * (((x - at_x - by) ** 2 + (y - at_y) ** 2) / 1.2**2))
+            for by in (0.15, -0.15)
+        )
+        change += 12.0 * (ahead - behind)
+    change = change.astype(np.float32)
+    found_px = find_faint_spots(change, np.empty((0, 2)))
+    assert len(found_px) == len(places_px)
+    assert np.hypot(*(found_px - places_px[np.argsort(places_px[:, 1])]).T).max() < 0.6
+    assert len(find_faint_spots(change, places_px[:1])) == len(places_px) - 1
