@@ -42,6 +42,7 @@ _SPOT_GATE = (
 _MODEL_WEIGHT = 1.0  # of a place that the others give, in places seen once
 _MAX_OWN = 0.125  # of the pitch, from there; farther off is another spot
 _FAINT_WEIGHT = 0.5  # of the middle of a dot that has moved by a fraction of its size
+_TOUCHED_SHARE = 0.4  # of the markers that move far enough for a dark spot of their own
 _LEAST_SHARE = 0.5  # of the markers that a light touch has to move, so that it shows the gel
 _LEAST_LOST = 2  # of their spots have no marker if the lattice is taken one pitch beside its place
 
@@ -183,7 +184,8 @@ class EventCamera:
         lattice = self._lattice.find(all_px, self._rig, near_rad=self._near_rad)
         bright_px = self._find_blobs(self._most)
         faint_px = np.empty((0, 2))
-        if lattice is None or lattice.share < self._lattice.config.min_share:  # a light touch
+        least = self._lattice.config.min_share
+        if lattice is not None and _TOUCHED_SHARE <= lattice.share < least:  # a light touch
             faint_px = find_faint_spots(self._most, np.concatenate([all_px, bright_px]))
             all_px = np.concatenate([all_px, faint_px])
             lattice = self._lattice.find(all_px, self._rig, near_rad=self._near_rad)
