@@ -16,10 +16,12 @@ def main() -> None:
         signal.signal(signal.SIGINT, _leave)
     signal.signal(signal.SIGTERM, _leave)
     _replace_closed()
-    if sys.argv[1:] in (["pause"], ["resume"], ["panic"], ["stop"]):
+    command, *options = sys.argv[1:] or [""]
+    from_menu = options == ["--notify"] and command != "stop"
+    if command in ("pause", "resume", "panic", "stop") and (from_menu or not options):
         from neurotouch_hid.cli.shared.send_without_click import send_command
 
-        sys.exit(send_command(sys.argv[1]))
+        sys.exit(send_command(command, on_desktop=from_menu))
     from neurotouch_hid.process.startup import (
         collect_rarely,
         leave_out_asyncio,

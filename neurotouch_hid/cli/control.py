@@ -5,36 +5,42 @@ import click
 from neurotouch_hid.cli.shared.send_without_click import send_command
 
 _json = click.option("--json", "as_json", is_flag=True, help="Print the answer as JSON.")
+_notify = click.option(
+    "--notify", is_flag=True, help="Without a terminal, show a failure on the desktop."
+)
 
 
 @click.command(epilog="\b\nExamples:\n  neurotouch pause")
 @_json
-def pause(as_json: bool) -> None:
+@_notify
+def pause(as_json: bool, notify: bool) -> None:
     """Release everything and stop acting; tracking goes on.
 
     To continue: neurotouch resume. If the profile has a gesture for 'pause', it resumes too.
     """
-    raise SystemExit(send_command("pause", as_json=as_json))
+    raise SystemExit(send_command("pause", as_json=as_json, on_desktop=notify))
 
 
 @click.command(epilog="\b\nExamples:\n  neurotouch resume")
 @_json
-def resume(as_json: bool) -> None:
+@_notify
+def resume(as_json: bool, notify: bool) -> None:
     """Continue at the next gesture, after a pause or a panic.
 
     No gesture acts before the gel has been at rest.
     """
-    raise SystemExit(send_command("resume", as_json=as_json))
+    raise SystemExit(send_command("resume", as_json=as_json, on_desktop=notify))
 
 
 @click.command(epilog="\b\nExamples:\n  neurotouch panic")
 @_json
-def panic(as_json: bool) -> None:
+@_notify
+def panic(as_json: bool, notify: bool) -> None:
     """Release everything and stay released until you resume.
 
     Only 'neurotouch resume' or a new start of the driver ends this.
     """
-    raise SystemExit(send_command("panic", as_json=as_json))
+    raise SystemExit(send_command("panic", as_json=as_json, on_desktop=notify))
 
 
 @click.command(epilog="\b\nExamples:\n  neurotouch stop")

@@ -1,11 +1,13 @@
-"""Without a terminal, a person is told on the desktop why no page appears."""
+"""Without a terminal, a person is told on the desktop why nothing happens."""
 
 import os
+import re
 import shutil
 import socket
 import subprocess
 import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from jeepney import HeaderFields, MessageType, message_bus, new_method_return
@@ -16,6 +18,8 @@ from tests.desktop.programs import session_bus
 LIMIT_S = 60.0
 PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
 SERVICE = "org.freedesktop.Notifications"
+ENTRY = Path(__file__).parents[2] / "packaging/desktop/neurotouch-hid.desktop"
+ACTIONS = re.findall(r"^Exec=neurotouch (?!view)(.*)$", ENTRY.read_text(), re.MULTILINE)
 
 
 @pytest.fixture
@@ -46,10 +50,10 @@ def service(environment) -> Iterator[DBusConnection]:
         yield connection
 
 
-def take_message(service: DBusConnection) -> tuple:
+def take_message(service: DBusConnection, limit_s: float = LIMIT_S) -> tuple:
     """Waits for a notification, and answers as the specification says; returns its arguments."""
     while True:
-        message = service.receive(timeout=LIMIT_S)
+        message = service.receive(timeout=limit_s)
         if message.header.message_type is MessageType.method_call:
             break
     assert message.header.fields[HeaderFields.member] == "Notify"
@@ -88,6 +92,23 @@ def test_a_page_that_cannot_be_served_is_told_too(environment, service):
             assert page.wait(LIMIT_S) == 1
     assert title == "NeuroTouch cannot start"
     assert port in text
+
+
+@pytest.mark.parametrize("action", ACTIONS)
+def test_the_icons_menu_tells_that_no_driver_runs(environment, service, action):
+    with start(environment, *action.split()) as command:
+        title, text = take_message(service)[3:5]
+        assert command.wait(LIMIT_S) == 8
+    assert title == "NeuroTouch cannot do this"
+    assert text.startswith("No driver is running. ")
+    assert len(ACTIONS) == 3
+
+
+def test_a_script_shows_no_message(environment, service):
+    with start(environment, "panic") as command:
+        assert command.wait(LIMIT_S) == 8
+    with pytest.raises(TimeoutError):
+        take_message(service, limit_s=0.5)
 
 
 def test_without_a_service_the_page_is_served_all_the_same(environment):

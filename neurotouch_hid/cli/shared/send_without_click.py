@@ -12,10 +12,15 @@ from neurotouch_hid.errors import DriverError
 from neurotouch_hid.players import list_players
 
 
-def send_command(command: str, *, as_json: bool = False) -> int:
+def send_command(command: str, *, as_json: bool = False, on_desktop: bool = False) -> int:
     """Sends a command to every driver of every player that this person may ask.
 
     Prints what each answers, after its name.
+
+    Args:
+        command: one word, such as ``panic``.
+        as_json: print each answer as JSON.
+        on_desktop: show a failure as a message on the desktop, too.
 
     Returns:
         The exit code: 0 if all have carried it out.
@@ -23,13 +28,13 @@ def send_command(command: str, *, as_json: bool = False) -> int:
     try:
         reached = ask_every(command, list_players())
     except DriverError as error:
-        return _tell_nobody(command, error, as_json=as_json)
+        return _tell_nobody(command, error, as_json=as_json, on_desktop=on_desktop)
     if command == "stop":
         reached = [_wait(each) for each in reached]
     code = 0
     for name, each in zip(_name_all(reached), reached, strict=True):
         if each.error is not None:
-            code = _tell_failure(name, each.error, as_json=as_json)
+            code = _tell_failure(name, each.error, as_json=as_json, on_desktop=on_desktop)
         else:
             _tell(name + each.text, as_json=as_json)
     return code
@@ -39,7 +44,7 @@ def _tell(text: str, *, as_json: bool) -> None:
     print(json.dumps({"status": "OK", "message": text}) if as_json else text)
 
 
-def _tell_nobody(command: str, error: DriverError, *, as_json: bool) -> int:
+def _tell_nobody(command: str, error: DriverError, *, as_json: bool, on_desktop: bool) -> int:
     """Prints that no driver was reached, and what that means; returns the exit code.
 
     To end what does not run is done already. To release what nobody holds is not: a person who
@@ -51,7 +56,7 @@ def _tell_nobody(command: str, error: DriverError, *, as_json: bool) -> int:
     if command == "panic":
         hint = "If a button is still held, another program holds it. See: neurotouch devices"
         error = type(error)(f"{error.message} Nothing was reached or released.", hint=hint)
-    return _tell_failure("", error, as_json=as_json)
+    return _tell_failure("", error, as_json=as_json, on_desktop=on_desktop)
 
 
 def _wait(reached: Reached) -> Reached:
@@ -78,13 +83,17 @@ def _name_all(reached: Iterable[Reached]) -> list[str]:
     return [f"Player {player}, {name}: " for player, name in rows]
 
 
-def _tell_failure(name: str, error: DriverError, *, as_json: bool) -> int:
-    """Prints why a driver refused, and returns the exit code."""
+def _tell_failure(name: str, error: DriverError, *, as_json: bool, on_desktop: bool) -> int:
+    """Tells why a driver refused, and returns the exit code."""
     message = name + error.message
     if as_json:
         print(json.dumps({"status": "FAILED", "message": message, "fix": error.hint}))
-        return error.exit_code
-    print(f"Error: {message}", file=sys.stderr)
-    if error.hint:
-        print(f"Fix: {error.hint}", file=sys.stderr)
+    else:
+        print(f"Error: {message}", file=sys.stderr)
+        if error.hint:
+            print(f"Fix: {error.hint}", file=sys.stderr)
+    if on_desktop:
+        from neurotouch_hid.cli.ui.notification import notify
+
+        notify("NeuroTouch cannot do this", f"{message} {error.hint or ''}".strip())
     return error.exit_code
