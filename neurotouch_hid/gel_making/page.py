@@ -172,9 +172,10 @@ def _explain_light(plan: Plan) -> list[str]:
         "long leg, and join these to +5 V and the short legs to 0 V. Test before you build it in. "
         "Do not dim it: dimmers make it flicker.</p>",
         _figure(draw_wiring(), "The circuit of the ring."),
-        "<p>T is for a strobe, which a camera without pictures may need one day. <em>The program "
-        "does not use a strobe yet.</em> T is an N-channel MOSFET for logic levels, 20 V, "
-        "threshold below 2 V. The strobe's pin is an open drain that bears 5 V.</p>",
+        "<p>T is for a strobe, by which an event camera without frames sees a gel that nobody "
+        "touches: see <code>docs/hardware.md</code>. Light that flashes 20 times a second can "
+        "trigger seizures, so close the ring in. T is an N-channel MOSFET for logic levels, "
+        "20 V, threshold below 2 V. The strobe's pin is an open drain that bears 5 V.</p>",
     ]
 
 
