@@ -153,8 +153,8 @@ def draw_wiring() -> Sheet:
     sheet.line((44.0, 75.0), (44.0, 77.0), width=0.4)
     sheet.add(
         Path(((42.5, 77.0), (45.5, 77.0), (45.5, 83.0), (42.5, 83.0)), 0.4, True),
-        Words(48.0, 81.5, "10 kΩ up to +5 V, not to 0 V", _SMALL),
-        Words(48.0, 76.0, "gate; 220 Ω to a strobe's pin", _SMALL),
+        Words(48.0, 81.5, "10 kΩ up to 3.3 V, not to 0 V", _SMALL),
+        Words(48.0, 76.0, "gate; 100 Ω to a pin of 3.3 V", _SMALL),
         Words(106.0, 20.0, "R = 120 Ω, 0.25 W", _SMALL),
         Words(106.0, 26.0, "LED: white, 3 mm, diffuse", _SMALL),
         Words(106.0, 32.0, "16 mA each,", _SMALL),

@@ -174,8 +174,8 @@ def _explain_light(plan: Plan) -> list[str]:
         _figure(draw_wiring(), "The circuit of the ring."),
         "<p>T is for a strobe, by which an event camera without frames sees a gel that nobody "
         "touches: see <code>docs/hardware.md</code>. Light that flashes 20 times a second can "
-        "trigger seizures, so close the ring in. T is an N-channel MOSFET for logic levels, "
-        "20 V, threshold below 2 V. The strobe's pin is an open drain that bears 5 V.</p>",
+        "trigger seizures, so close the ring in. T is an N-channel MOSFET for gates of "
+        "3.3 V, 20 V. Its pin is that of a microcontroller, whose 3.3 V hold the ring on.</p>",
     ]
 
 
