@@ -31,12 +31,13 @@ MOMENTS = (20, 300, 1500, 4000, 9000)
 """Of the 6,000 (view) to 16,000 (doctor) events of a start: the first lines, command line, imports
 of the command, of the libraries, of the kernels. A ``view`` has begun to serve before the last."""
 
+SERVING = ("view", "game --no-open")
+
 
 @pytest.mark.parametrize(
     "command",
     [
-        "view",
-        "game --no-open",
+        *SERVING,
         "demo --seconds 1",
         "run --source sim:tour --device memory --seconds 1",
         "record out.aedat4 --source sim:tour --seconds 1",
@@ -58,7 +59,7 @@ def test_signal_during_the_start(tmp_path, command, moment):
         env={**os.environ, "XDG_RUNTIME_DIR": str(tmp_path)},
     ) as process:
         try:
-            printed, said = process.communicate(timeout=5)
+            printed, said = process.communicate(timeout=5 if command in SERVING else 60)
         except subprocess.TimeoutExpired:  # it serves, and had no 9,000 events
             process.send_signal(number)
             printed, said = process.communicate(timeout=30)
