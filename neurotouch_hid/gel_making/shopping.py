@@ -79,6 +79,10 @@ def list_needs(plan: Plan, silicone_ml: float = 0.0) -> list[Need]:
         Need(str(N_LEDS), "LED, 3 mm", "white, diffuse, 20 mA, about 3.1 V"),
         Need(str(N_LEDS), "resistor", "120 Ω, 0.25 W"),
         Need("1", "USB cable to cut", "5 V, 500 mA"),
+        Need(
+            "0 or 1", "transistor", "only for a strobe: N-channel MOSFET for gates of 3.3 V, 20 V"
+        ),
+        Need("0 or 1 each", "resistor", "only for a strobe: 100 Ω and 10 kΩ"),
         Need(str(N_SCREWS + 4), "screw M3 x 10", "cuts its own thread in plastic"),
         Need("4", "washer M3", "under the screws of the camera's plate"),
     ]
