@@ -182,14 +182,16 @@ class EventCamera:
         gel = self._gel
         all_px = self._find_blobs(self._dark)
         lattice = self._lattice.find(all_px, self._rig, near_rad=self._near_rad)
+        self.n_found = 0 if lattice is None else lattice.n_found
+        if lattice is None or lattice.share < _TOUCHED_SHARE:
+            return None
         bright_px = self._find_blobs(self._most)
         faint_px = np.empty((0, 2))
-        least = self._lattice.config.min_share
-        if lattice is not None and _TOUCHED_SHARE <= lattice.share < least:  # a light touch
+        if lattice.share < self._lattice.config.min_share:  # a light touch
             faint_px = find_faint_spots(self._most, np.concatenate([all_px, bright_px]))
             all_px = np.concatenate([all_px, faint_px])
             lattice = self._lattice.find(all_px, self._rig, near_rad=self._near_rad)
-        self.n_found = 0 if lattice is None else lattice.n_found
+            self.n_found = 0 if lattice is None else lattice.n_found
         if lattice is None or not self._is_certain(lattice):
             return None
         px_per_mm = fit_rig(lattice.position_px, gel).px_per_mm

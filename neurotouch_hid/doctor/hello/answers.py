@@ -13,6 +13,7 @@ from neurotouch_hid.geometry import count_turns
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.davis import registers as r
 from neurotouch_hid.source.davis.enumeration import SUPER_SPEED_MBIT_S
+from neurotouch_hid.source.simulator.config import SimulatorConfig
 from neurotouch_hid.vocabulary import SourceKind
 
 _TROUBLES: Final = (CheckStatus.FAILED, CheckStatus.WARNING)
@@ -101,7 +102,7 @@ _ABSOLUTE: Final = {
 """Differences up to which these count as the same: near 0, a share of them says nothing."""
 
 _STIFFNESS: Final = "Stiffness is not measurable without force: nothing here weighs the finger."
-_SIMULATED_BANDWIDTH_HZ: Final = 300.0
+_SIMULATED_BANDWIDTH_HZ: Final = SimulatorConfig().sensor.cutoff_hz
 """Of a white pixel."""
 
 

@@ -48,7 +48,6 @@ class LedMeter(Closing):
 
     Attributes:
         delays_s: of each flash that was seen, the time until a slice that shows it was finished.
-        rises_us: of each flash that events show, the time from the first tenth of them to half.
 
     Raises:
         NeuroTouchError: the LED cannot be switched.
@@ -56,7 +55,8 @@ class LedMeter(Closing):
 
     def __init__(self, path: Path, clock_s: Callable[[], float] = time.monotonic) -> None:
         self.delays_s: list[float] = []
-        self.rises_us: list[float] = []
+        self._rises_us: list[float] = []
+        """Of each flash that events show, the time from the first tenth of them to half."""
         self._path, self._clock_s = path, clock_s
         self._before = _read(path)
         self._bright = _read_brightest(path)
@@ -82,7 +82,7 @@ class LedMeter(Closing):
     def restart(self) -> None:
         """Forgets the flashes that were seen."""
         self.delays_s.clear()
-        self.rises_us.clear()
+        self._rises_us.clear()
         self._lit.clear()
         self._n_unseen = 0
         self._switch(on=False)
@@ -121,7 +121,7 @@ class LedMeter(Closing):
             return ""
         rise_us = _measure_rise(np.concatenate(self._lit), 1e-6 * self._usual_events_s)
         if rise_us is not None:
-            self.rises_us.append(rise_us)
+            self._rises_us.append(rise_us)
         self.delays_s.append(self._delay_s)
         self._n_unseen = 0
         self._lit.clear()
@@ -139,7 +139,7 @@ class LedMeter(Closing):
             "led_flashes": float(len(delays_ms)),
             "led_latency_ms": median(delays_ms) if delays_ms else None,
             "led_latency_most_ms": max(delays_ms, default=None),
-            "bandwidth_hz": _find_bandwidth(median(self.rises_us)) if self.rises_us else None,
+            "bandwidth_hz": _find_bandwidth(median(self._rises_us)) if self._rises_us else None,
         }
 
     def _wait(self, since_s: float, events_s: float, level_dn: float | None) -> None:
