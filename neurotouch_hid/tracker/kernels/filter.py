@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
-from neurotouch_hid.tracker.kernels.lost_markers import update_lost_markers
+from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US, update_lost_markers
 from neurotouch_hid.tracker.kernels.matching import select
 from neurotouch_hid.tracker.kernels.nearest import PAIR, assign, find_event
+from neurotouch_hid.tracker.kernels.slow_motion import add_flow, follow_flow
 from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, aim, predict
 
 BLOCK = 512  # events whose markers are found before the events move these markers
@@ -51,10 +52,13 @@ def filter_events(
     forget, quiet_s2 = 1.0 / tuning.memory_s, tuning.quiet_s * tuning.quiet_s
     tail = 1.0 / (tuning.spread_px * tuning.spread_px)
     stop = find_event(events, start, until_us)
+    is_frameless = until_us - tracks.common[0].last_frame_us >= FRAMELESS_US
     while start < stop:
         end = min(start + BLOCK, stop)
         n = assign(events, start, end, tuning.gate_px, tuning.search_all, tracks.targets, pairs)
         start = end
+        if is_frameless:
+            add_flow(events, pairs, n, tracks, tuning)
         for k in range(n):
             # Unsigned: an index that may be negative would cost a test for each use.
             e, i = events[np.uint64(pairs[k].event)], np.uint64(pairs[k].marker)
@@ -193,6 +197,9 @@ def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """
     slot = tracks.common[0].n_checks % len(tracks.past_us)
     position = tracks.past_px[slot]
+    last_us = _last_check_us(tracks)
+    if t_us - tracks.common[0].last_frame_us >= FRAMELESS_US and last_us >= 0:
+        follow_flow(SECOND * (t_us - last_us), tracks, tuning)
     predict(float(t_us), tuning.memory_s, tracks, position)
     if tracks.common[0].n_checks % 2 == 0 and not tracks.common[0].frames_alone:
         update_lost_markers(t_us, position, tracks, tuning)

@@ -81,6 +81,9 @@ class Tracks(NamedTuple):
         lost: (n,) bool, True where the position is a guess.
         rest_px: (n, 2) float64, positions of the undeformed gel.
         neighbours: (n, 8) intp, -1 where there is none.
+        flow: (n, 2) float64, sum of the directions of the events of each marker since the last check
+            without frames: from it to an ON event, from an OFF event to it.
+        flow_px_s: (n, 2) float64, the recent mean of the speed that follows from that, px/s.
         past_px: (k, n, 2) float64, ring of the positions at the last k checks.
         past_us: (k,) int64, the times of these checks, -1 where there is none.
         common: (1,) ``COMMON``.
@@ -94,6 +97,8 @@ class Tracks(NamedTuple):
     lost: NDArray[np.bool_]
     rest_px: NDArray[np.float64]
     neighbours: NDArray[np.intp]
+    flow: NDArray[np.float64]
+    flow_px_s: NDArray[np.float64]
     past_px: NDArray[np.float64]
     past_us: NDArray[np.int64]
     common: NDArray[np.void]
