@@ -146,11 +146,12 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
         lost=np.zeros(n, np.bool_),
         rest_px=np.full((n, 2), np.nan),
         neighbours=neighbours.copy(),  # writeable, because kernels are compiled for one type only
-        flow=np.zeros((n, 2)),
-        flow_px_s=np.zeros((n, 2)),
+        steps=np.zeros((n, 2)),
+        steps_s=np.zeros((n, 2)),
+        moved_px_s=np.zeros((n, 2)),
         past_px=np.zeros((_PAST, n, 2)),
         past_us=np.full(_PAST, -1, np.int64),
-        common=np.array([(0, 0, 0, _NEVER_US, 0.0, False)], track_kernels.COMMON),
+        common=np.array([(0, 0, 0, _NEVER_US, 0.0, False, 0.0, 0.0)], track_kernels.COMMON),
     )
 
 

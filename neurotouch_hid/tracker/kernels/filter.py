@@ -9,7 +9,7 @@ from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US, update_lost_markers
 from neurotouch_hid.tracker.kernels.matching import select
 from neurotouch_hid.tracker.kernels.nearest import PAIR, assign, find_event
-from neurotouch_hid.tracker.kernels.slow_motion import add_flow, follow_flow
+from neurotouch_hid.tracker.kernels.slow_motion import add_steps, follow_steps
 from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, aim, predict
 
 BLOCK = 512  # events whose markers are found before the events move these markers
@@ -58,7 +58,7 @@ def filter_events(
         n = assign(events, start, end, tuning.gate_px, tuning.search_all, tracks.targets, pairs)
         start = end
         if is_frameless:
-            add_flow(events, pairs, n, tracks, tuning)
+            add_steps(events, pairs, n, tracks, tuning)
         for k in range(n):
             # Unsigned: an index that may be negative would cost a test for each use.
             e, i = events[np.uint64(pairs[k].event)], np.uint64(pairs[k].marker)
@@ -197,10 +197,11 @@ def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     """
     slot = tracks.common[0].n_checks % len(tracks.past_us)
     position = tracks.past_px[slot]
-    last_us = _last_check_us(tracks)
-    if t_us - tracks.common[0].last_frame_us >= FRAMELESS_US and last_us >= 0:
-        follow_flow(SECOND * (t_us - last_us), tracks, tuning)
     predict(float(t_us), tuning.memory_s, tracks, position)
+    last_us = _last_check_us(tracks)
+    if last_us >= 0 and t_us - tracks.common[0].last_frame_us >= FRAMELESS_US:
+        before = tracks.past_px[(tracks.common[0].n_checks - 1) % len(tracks.past_us)]
+        follow_steps(SECOND * (t_us - last_us), before, position, tracks, tuning)
     if tracks.common[0].n_checks % 2 == 0 and not tracks.common[0].frames_alone:
         update_lost_markers(t_us, position, tracks, tuning)
     weigh(t_us, tracks, tuning)

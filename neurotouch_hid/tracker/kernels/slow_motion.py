@@ -1,9 +1,10 @@
-"""Compiled loops that follow slow markers by the polarity of their events.
+"""Compiled loops that follow slow markers by the polarity of their events, where frames are missing.
 
-A pixel counts the logarithm of its light: each event is one step of its threshold. A marker that
-moves brightens the pixels ahead of it and darkens those behind it, by as many steps as its edge is
-deep. So each ON event tells that the marker has moved towards it, each OFF event that it has moved
-away, by the same small distance. Noise is on all sides and of both polarities, and cancels.
+A pixel tells the logarithm of its light: each event is a step by its threshold. A marker that moves
+brightens the pixels ahead of it and darkens those behind it, by as many steps as its edge is high.
+So each ON event tells that the marker has moved towards it, each OFF event that it has moved away,
+all by the same small distance. Noise comes from all sides, in both polarities, and cancels. Where
+events are tells less of a slow marker: they cannot be told from noise.
 """
 
 import math
@@ -13,18 +14,25 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.neighbours import expect
-from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, shift
+from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning
 
 REACH = 0.92  # of the gate; the edge of a marker is nearer to its middle
 MIDDLE_PX = 1.0  # events nearer to the middle tell the direction less surely
-PX_PER_EVENT = 1.0 / 78.0  # of a marker of usual contrast
+STEPS_PER_PX = 78.0  # of a marker of usual contrast: simulated, white on black, thresholds of 0.2
 SLOW_PX_S = 15.0  # faster markers are followed by where their events are
-ALONE = 0.5  # of the motion of its neighbours, by which a marker may differ from them
+ALONE = 0.5  # of the motion of its neighbours, by which a marker may differ: a hot pixel does
+LEAST_PX_S = 20.0  # the places of the events follow such a marker well ...
+MOST_PX_S = 60.0  # ... and pixels are not yet too slow to count its steps
+USUAL_PX = 20.0  # what is known before, in px of motion
+MOST_PX = 5_000.0  # of motion that is remembered
 
 
 @kernel
-def add_flow(events: NDArray[np.void], pairs: NDArray[np.void], n: int, tracks: Tracks, tuning: Tuning) -> None:
-    aim_px, flow = tracks.targets.aim_px, tracks.flow
+def add_steps(
+    events: NDArray[np.void], pairs: NDArray[np.void], n: int, tracks: Tracks, tuning: Tuning
+) -> None:
+    """Adds the directions of the first ``n`` pairs of events and markers to ``tracks.steps``."""
+    aim_px, steps = tracks.targets.aim_px, tracks.steps
     reach_px2 = (REACH * tuning.gate_px) ** 2
     for k in range(n):
         e, i = events[np.uint64(pairs[k].event)], np.uint64(pairs[k].marker)
@@ -33,34 +41,70 @@ def add_flow(events: NDArray[np.void], pairs: NDArray[np.void], n: int, tracks: 
         px2 = dx * dx + dy * dy
         if px2 < reach_px2:
             share = (1.0 if e.p else -1.0) / max(math.sqrt(px2), MIDDLE_PX)
-            flow[i, 0] += share * dx
-            flow[i, 1] += share * dy
+            steps[i, 0] += share * dx
+            steps[i, 1] += share * dy
 
 
 @kernel(error_model="numpy")
-def follow_flow(dt: float, tracks: Tracks, tuning: Tuning) -> None:
-    n = len(tracks.state)
-    flow, speed = tracks.flow, tracks.flow_px_s
+def follow_steps(
+    dt: float,
+    before_px: NDArray[np.float64],
+    now_px: NDArray[np.float64],
+    tracks: Tracks,
+    tuning: Tuning,
+) -> None:
+    """Moves slow markers as the steps of their pixels tell; forgets these steps.
+
+    A marker and its neighbours move alike, so their median limits what noise does to one.
+
+    Args:
+        dt: time since the last check, s.
+        before_px: (n, 2) float64 px, the positions then.
+        now_px: (n, 2) float64 px, the positions now; updated.
+        tracks: updated.
+        tuning: of the filter.
+    """
+    common, steps, steps_s, moved_s = (
+        tracks.common[0], tracks.steps, tracks.steps_s, tracks.moved_px_s,
+    )
+    n = len(steps)
     share = -math.expm1(-dt / tuning.rate_s)
     for i in range(n):
         for axis in range(2):
-            now = flow[i, axis] * PX_PER_EVENT / dt
-            speed[i, axis] += share * (now - speed[i, axis])
-            flow[i, axis] = 0.0
-    around, spread, nothing = np.empty((n, 2)), np.empty(n), np.zeros((n, 2))
-    expect(speed, ~tracks.lost, nothing, tracks.neighbours, around, spread)
-    by_px = np.zeros((n, 2))
+            steps_s[i, axis] += share * (steps[i, axis] / dt - steps_s[i, axis])
+            moved_px = now_px[i, axis] - before_px[i, axis]
+            moved_s[i, axis] += share * (moved_px / dt - moved_s[i, axis])
+            steps[i, axis] = 0.0
+    _learn(dt, tracks)
+    px = (USUAL_PX + common.learnt_px) / (STEPS_PER_PX * USUAL_PX + common.learnt_steps)
+    around_s, spread, nothing = np.empty((n, 2)), np.empty(n), np.zeros((n, 2))
+    expect(steps_s, ~tracks.lost, nothing, tracks.neighbours, around_s, spread)
     for i in range(n):
-        mx, my = around[i]
-        if not math.isfinite(mx):
+        x, y = around_s[i, 0], around_s[i, 1]
+        if not math.isfinite(x):
             continue
-        ox, oy = speed[i, 0] - mx, speed[i, 1] - my
-        most = ALONE * math.sqrt(mx * mx + my * my) + 1e-9
-        longer = max(math.sqrt(ox * ox + oy * oy) / most, 1.0)
-        x, y = mx + ox / longer, my + oy / longer
-        w = 1.0 / (1.0 + (x * x + y * y) / (SLOW_PX_S * SLOW_PX_S))
-        by_px[i, 0], by_px[i, 1] = w * dt * x, w * dt * y
-    for i in range(n):
+        own_x, own_y = steps_s[i, 0] - x, steps_s[i, 1] - y
+        own, most = math.sqrt(own_x * own_x + own_y * own_y), ALONE * math.sqrt(x * x + y * y)
+        if own > most:
+            own_x, own_y = own_x * most / own, own_y * most / own
+        x, y = px * (x + own_x), px * (y + own_y)
+        slow_s = dt / (1.0 + (x * x + y * y) / (SLOW_PX_S * SLOW_PX_S))
         s = tracks.state[i]
-        s.x += by_px[i, 0]
-        s.y += by_px[i, 1]
+        s.x, s.y = s.x + slow_s * x, s.y + slow_s * y
+        now_px[i, 0] += slow_s * x
+        now_px[i, 1] += slow_s * y
+
+
+@kernel
+def _learn(dt: float, tracks: Tracks) -> None:
+    """Learns from markers that both ways follow how many steps a pixel of motion takes."""
+    common, steps_s, moved_s = tracks.common[0], tracks.steps_s, tracks.moved_px_s
+    for i in range(len(steps_s)):
+        x, y = moved_s[i, 0], moved_s[i, 1]
+        px_s = math.sqrt(x * x + y * y)
+        if LEAST_PX_S < px_s < MOST_PX_S and not tracks.lost[i]:
+            common.learnt_px += dt * px_s
+            common.learnt_steps += dt * (x * steps_s[i, 0] + y * steps_s[i, 1]) / px_s
+    if common.learnt_px > MOST_PX:
+        common.learnt_px *= 0.5
+        common.learnt_steps *= 0.5

@@ -53,6 +53,8 @@ COMMON: Final = np.dtype(
         ("last_frame_us", "i8"),
         ("noise_hz", "f8"),
         ("frames_alone", "?"),
+        ("learnt_px", "f8"),
+        ("learnt_steps", "f8"),
     ],
     align=True,
 )
@@ -64,6 +66,7 @@ COMMON: Final = np.dtype(
 - ``last_frame_us``: the end of the last frame that showed the markers, µs.
 - ``noise_hz``: events per second of a marker that does not move.
 - ``frames_alone``: no events come; each frame moves the tracks from where the last one left them.
+- ``learnt_px``, ``learnt_steps``: motion of markers without frames, and the steps that it took.
 """
 
 
@@ -81,9 +84,10 @@ class Tracks(NamedTuple):
         lost: (n,) bool, True where the position is a guess.
         rest_px: (n, 2) float64, positions of the undeformed gel.
         neighbours: (n, 8) intp, -1 where there is none.
-        flow: (n, 2) float64, sum of the directions of the events of each marker since the last check
-            without frames: from it to an ON event, from an OFF event to it.
-        flow_px_s: (n, 2) float64, the recent mean of the speed that follows from that, px/s.
+        steps: (n, 2) float64, without frames the sum of the directions of the events of each marker
+            since the last check: from it to an ON event, from an OFF event to it.
+        steps_s: (n, 2) float64, the recent mean of ``steps`` per second.
+        moved_px_s: (n, 2) float64 px/s, the recent mean velocity of each marker.
         past_px: (k, n, 2) float64, ring of the positions at the last k checks.
         past_us: (k,) int64, the times of these checks, -1 where there is none.
         common: (1,) ``COMMON``.
@@ -97,8 +101,9 @@ class Tracks(NamedTuple):
     lost: NDArray[np.bool_]
     rest_px: NDArray[np.float64]
     neighbours: NDArray[np.intp]
-    flow: NDArray[np.float64]
-    flow_px_s: NDArray[np.float64]
+    steps: NDArray[np.float64]
+    steps_s: NDArray[np.float64]
+    moved_px_s: NDArray[np.float64]
     past_px: NDArray[np.float64]
     past_us: NDArray[np.int64]
     common: NDArray[np.void]
