@@ -16,6 +16,7 @@ from neurotouch_hid.tracker.kernels import correction, nearest, rigid
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US
+from neurotouch_hid.tracker.kernels.slow_motion import forget_steps
 from neurotouch_hid.tracker.kernels.unexplained import count_unexplained
 from neurotouch_hid.tracker.quiet_return import QuietReturn
 
@@ -151,7 +152,9 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
         moved_px_s=np.zeros((n, 2)),
         past_px=np.zeros((_PAST, n, 2)),
         past_us=np.full(_PAST, -1, np.int64),
-        common=np.array([(0, 0, 0, _NEVER_US, 0.0, False, 0.0, 0.0)], track_kernels.COMMON),
+        common=np.array(
+            [(0, 0, 0, _NEVER_US, _NEVER_US, 0.0, False, False, 0.0, 0.0)], track_kernels.COMMON
+        ),
     )
 
 
@@ -244,6 +247,7 @@ class MarkerTracker:
                 everyone = np.arange(self._gel.n_markers)
                 track_kernels.place(everyone, measured, 1.0, t_us, tracks, self._tuning)
                 self._restart(int(t_us))
+                tracks.common["placed_us"] = int(t_us)
                 self._anchored = True
         else:
             self._drift(off, elapsed_us)
@@ -423,6 +427,7 @@ class MarkerTracker:
         state["excess"] = state["excess_hz"] = 0.0
         state["var_x"], state["var_v"], state["t_us"] = 1.0, 100.0, t_us
         track_kernels.aim(float(t_us), tracks, self._tuning)
+        forget_steps(tracks)
         tracks.n_new[:] = 0
         tracks.past_us[:] = -1
         check_us = self._config.check_us

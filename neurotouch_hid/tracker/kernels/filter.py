@@ -6,10 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
-from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US, update_lost_markers
+from neurotouch_hid.tracker.kernels.lost_markers import update_lost_markers
 from neurotouch_hid.tracker.kernels.matching import select
 from neurotouch_hid.tracker.kernels.nearest import PAIR, assign, find_event
-from neurotouch_hid.tracker.kernels.slow_motion import add_steps, follow_steps
+from neurotouch_hid.tracker.kernels.slow_motion import (
+    add_steps,
+    follow_steps,
+    forget_steps,
+    needs_steps,
+)
 from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, aim, predict
 
 BLOCK = 512  # events whose markers are found before the events move these markers
@@ -52,12 +57,12 @@ def filter_events(
     forget, quiet_s2 = 1.0 / tuning.memory_s, tuning.quiet_s * tuning.quiet_s
     tail = 1.0 / (tuning.spread_px * tuning.spread_px)
     stop = find_event(events, start, until_us)
-    is_frameless = until_us - tracks.common[0].last_frame_us >= FRAMELESS_US
+    counts_steps = needs_steps(until_us, tracks)
     while start < stop:
         end = min(start + BLOCK, stop)
         n = assign(events, start, end, tuning.gate_px, tuning.search_all, tracks.targets, pairs)
         start = end
-        if is_frameless:
+        if counts_steps:
             add_steps(events, pairs, n, tracks, tuning)
         for k in range(n):
             # Unsigned: an index that may be negative would cost a test for each use.
@@ -199,7 +204,10 @@ def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     position = tracks.past_px[slot]
     predict(float(t_us), tuning.memory_s, tracks, position)
     last_us = _last_check_us(tracks)
-    if last_us >= 0 and t_us - tracks.common[0].last_frame_us >= FRAMELESS_US:
+    if not needs_steps(t_us, tracks):
+        if tracks.common[0].counts_steps:
+            forget_steps(tracks)
+    elif last_us >= 0:
         before = tracks.past_px[(tracks.common[0].n_checks - 1) % len(tracks.past_us)]
         follow_steps(SECOND * (t_us - last_us), before, position, tracks, tuning)
     if tracks.common[0].n_checks % 2 == 0 and not tracks.common[0].frames_alone:

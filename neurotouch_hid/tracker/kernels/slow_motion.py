@@ -1,4 +1,4 @@
-"""Compiled loops that follow slow markers by the polarity of their events, where frames are missing.
+"""Compiled loops that follow slow markers by the polarity of their events, without frames.
 
 A pixel tells the logarithm of its light: each event is a step by its threshold. A marker that moves
 brightens the pixels ahead of it and darkens those behind it, by as many steps as its edge is high.
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
+from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US
 from neurotouch_hid.tracker.kernels.neighbours import expect
 from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning
 
@@ -25,6 +26,13 @@ LEAST_PX_S = 20.0  # the places of the events follow such a marker well ...
 MOST_PX_S = 60.0  # ... and pixels are not yet too slow to count its steps
 USUAL_PX = 20.0  # what is known before, in px of motion
 MOST_PX = 5_000.0  # of motion that is remembered
+
+
+@kernel
+def needs_steps(t_us: int, tracks: Tracks) -> bool:
+    """Returns True if no frame has shown the markers for a while."""
+    common = tracks.common[0]
+    return t_us - max(common.last_frame_us, common.placed_us) >= FRAMELESS_US
 
 
 @kernel
@@ -64,10 +72,9 @@ def follow_steps(
         tracks: updated.
         tuning: of the filter.
     """
-    common, steps, steps_s, moved_s = (
-        tracks.common[0], tracks.steps, tracks.steps_s, tracks.moved_px_s,
-    )
-    n = len(steps)
+    common, steps, steps_s = tracks.common[0], tracks.steps, tracks.steps_s
+    n, moved_s = len(steps), tracks.moved_px_s
+    common.counts_steps = True
     share = -math.expm1(-dt / tuning.rate_s)
     for i in range(n):
         for axis in range(2):
@@ -93,6 +100,15 @@ def follow_steps(
         s.x, s.y = s.x + slow_s * x, s.y + slow_s * y
         now_px[i, 0] += slow_s * x
         now_px[i, 1] += slow_s * y
+
+
+@kernel
+def forget_steps(tracks: Tracks) -> None:
+    """Forgets the steps and speeds, because frames show the markers or events are missing."""
+    tracks.steps[:] = 0.0
+    tracks.steps_s[:] = 0.0
+    tracks.moved_px_s[:] = 0.0
+    tracks.common[0].counts_steps = False
 
 
 @kernel

@@ -51,8 +51,10 @@ COMMON: Final = np.dtype(
         ("n_checks", "i8"),
         ("n_repairs", "i8"),
         ("last_frame_us", "i8"),
+        ("placed_us", "i8"),
         ("noise_hz", "f8"),
         ("frames_alone", "?"),
+        ("counts_steps", "?"),
         ("learnt_px", "f8"),
         ("learnt_steps", "f8"),
     ],
@@ -64,8 +66,10 @@ COMMON: Final = np.dtype(
 - ``n_checks``: checks so far.
 - ``n_repairs``: how often a marker was moved to the place that its neighbours gave.
 - ``last_frame_us``: the end of the last frame that showed the markers, µs.
+- ``placed_us``: when the markers were first placed, µs.
 - ``noise_hz``: events per second of a marker that does not move.
 - ``frames_alone``: no events come; each frame moves the tracks from where the last one left them.
+- ``counts_steps``: the steps of the pixels move slow markers, because frames are missing.
 - ``learnt_px``, ``learnt_steps``: motion of markers without frames, and the steps that it took.
 """
 
