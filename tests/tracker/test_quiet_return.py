@@ -63,12 +63,15 @@ def test_a_hand_that_holds_still_is_no_return():
     )
 
 
-def test_a_slow_push_is_no_return():
-    steps, moved, _ = play(push(2.0, 0.0, attack_us=4_000_000, hold_us=200_000))
+def test_a_slow_push_is_no_return_and_is_followed():
+    steps, moved, errors = play(push(2.0, 0.0, attack_us=4_000_000, hold_us=200_000))
     begun = next(k for k in range(len(steps)) if moved[k].max() > 0.75)
     top = moved.max(axis=1).argmax()
     assert not [k for k in returns(steps) if begun <= k <= top]
     assert steps[top].gesture.kind is GestureKind.PUSH
+    assert moved[top].max() > 5.0
+    assert np.median(errors[top][moved[top] > 2.5]) < 0.4
+    assert errors[top].max() < 1.5
 
 
 def test_a_hand_that_may_rest_on_the_gel_is_never_taken_for_rest():

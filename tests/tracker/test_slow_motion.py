@@ -1,0 +1,77 @@
+"""Without frames, each event of a marker's edge is a step of its motion."""
+
+import numpy as np
+import pytest
+
+from neurotouch_hid.geometry import PAPER_GEL, Rig
+from neurotouch_hid.tracker import TrackerConfig
+from neurotouch_hid.tracker.kernels.slow_motion import (
+    SLOW_PX_S,
+    STEPS_PER_PX,
+    follow_steps,
+    forget_steps,
+    needs_steps,
+)
+from neurotouch_hid.tracker.markers import make_tracks
+
+CHECK_S = 2e-3
+CONFIG = TrackerConfig()
+
+
+@pytest.fixture
+def tracks():
+    tracks = make_tracks(PAPER_GEL.neighbours, CONFIG)
+    places_px = Rig((172.5, 129.5), 2.6).to_px(PAPER_GEL.points_mm)
+    tracks.state["x"], tracks.state["y"] = places_px.T
+    return tracks
+
+
+def follow(tracks, steps, n_checks, moved_px_s=(0.0, 0.0)):
+    """Returns how far steps have moved each marker; ``moved_px_s``: their events' places do."""
+    begin_px = np.column_stack([tracks.state["x"], tracks.state["y"]])
+    by_places_px = np.array(moved_px_s) * CHECK_S
+    for _ in range(n_checks):
+        before_px = np.column_stack([tracks.state["x"], tracks.state["y"]])
+        now_px = before_px + by_places_px
+        tracks.state["x"], tracks.state["y"] = now_px.T
+        tracks.steps[:] = steps
+        follow_steps(CHECK_S, before_px, now_px, tracks, CONFIG.tuning())
+        assert np.allclose(now_px, np.column_stack([tracks.state["x"], tracks.state["y"]]))
+    now_px = np.column_stack([tracks.state["x"], tracks.state["y"]])
+    return now_px - begin_px - n_checks * by_places_px
+
+
+def test_steps_move_slow_markers(tracks):
+    px_s = np.array((0.6, -0.8))
+    moved_px = follow(tracks, STEPS_PER_PX * px_s * CHECK_S, 1_000)
+    assert np.allclose(moved_px, 2.0 * px_s, rtol=0.03)
+
+
+def test_fast_markers_are_followed_by_the_places_of_their_events(tracks):
+    px_s = 10.0 * SLOW_PX_S
+    moved_px = follow(tracks, (STEPS_PER_PX * px_s * CHECK_S, 0.0), 500)
+    assert 0.0 < moved_px[:, 0].max() < 0.02 * px_s
+
+
+def test_what_fires_beside_one_marker_alone_does_not_move_it(tracks):
+    steps = np.zeros((PAPER_GEL.n_markers, 2))
+    steps[80] = 0.4, 0.0  # a hot pixel of 200 Hz
+    assert np.abs(follow(tracks, steps, 1_000)).max() < 1e-3
+
+
+@pytest.mark.parametrize("steps_per_px", [40.0, 150.0])
+def test_the_steps_of_a_pixel_of_motion_are_learnt(tracks, steps_per_px):
+    """Thresholds of 0.4 and 0.1, or paler dots, take another number of events."""
+    follow(tracks, (steps_per_px * 40.0 * CHECK_S, 0.0), 200, moved_px_s=(40.0, 0.0))
+    forget_steps(tracks)  # but not what was learnt
+    moved_px = follow(tracks, (steps_per_px * CHECK_S, 0.0), 1_000)
+    assert np.allclose(moved_px, (2.0, 0.0), rtol=0.05)
+
+
+def test_steps_are_counted_only_where_frames_are_missing(tracks):
+    assert needs_steps(1_000_000, tracks)
+    tracks.common["placed_us"] = 900_000
+    assert not needs_steps(1_000_000, tracks)
+    tracks.common["last_frame_us"] = 1_200_000
+    assert not needs_steps(1_600_000, tracks)
+    assert needs_steps(1_700_000, tracks)
