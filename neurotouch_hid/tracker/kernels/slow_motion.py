@@ -32,7 +32,8 @@ MOST_PX = 5_000.0  # of motion that is remembered
 def needs_steps(t_us: int, tracks: Tracks) -> bool:
     """Returns True if no frame has shown the markers for a while."""
     common = tracks.common[0]
-    return t_us - max(common.last_frame_us, common.placed_us) >= FRAMELESS_US
+    is_missing: bool = t_us - max(common.last_frame_us, common.placed_us) >= FRAMELESS_US
+    return is_missing
 
 
 @kernel
