@@ -346,7 +346,10 @@ class MarkerTracker:
         n_vanished, n_strangers = self._count_unexplained(blobs)
         n_most = self._n_strangers_at_rest + _MOST_STRANGERS
         if is_hasty and n_vanished + n_strangers > n_most:
-            look = self._second_look.look(blobs, elapsed_us, self._absent, self._inner, n_most)
+            n_left = n_vanished + n_strangers
+            look = self._second_look.look(
+                blobs, elapsed_us, self._absent, self._inner, n_left, n_most
+            )
             n_vanished, n_strangers = look or (n_vanished, n_strangers)
         self._n_strangers = n_strangers
         unseen = float(((state["n_missed"] > 0) & ~self._absent).mean())

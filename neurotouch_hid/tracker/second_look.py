@@ -46,6 +46,7 @@ class SecondLook:
         elapsed_us: int,
         absent: NDArray[np.bool_],
         inner: NDArray[np.bool_],
+        n_left: int,
         n_most: int,
     ) -> tuple[int, int] | None:
         """Moves all tracks to where another look at the frame finds them, if it is certain.
@@ -55,17 +56,18 @@ class SecondLook:
             elapsed_us: time since the frame before.
             absent: (n,) bool, markers that are not seen at rest either.
             inner: (n,) bool, markers that are not at the rim of the gel.
+            n_left: markers and dots that the first look leaves over.
             n_most: markers and dots that a look may leave over.
 
         Returns:
-            The number of markers and of dots that are left over now; None if every look leaves
-            more over, or two looks differ.
+            The number of markers and of dots that are left over now; None if no look is twice
+            as good as the first one and explains the frame, or if two do that differ.
         """
         tracks, place_px, blob = self._tracks, self._place_px, self._blob
         elapsed_s = SECOND * elapsed_us if 0 < elapsed_us <= _LONGEST_US else 0.0
         state = tracks.state
         now_px = np.column_stack([state["x"], state["y"]])
-        n_markers, n_dots, is_unique = second_look.look_again(
+        n_markers, n_dots, n_hidden, is_unique = second_look.look_again(
             blobs.centroid_px,
             blobs.begin,
             self._before_px if self._is_certain else self._certain_px,
@@ -81,9 +83,11 @@ class SecondLook:
             blob,
             place_px,
         )
-        if not is_unique or n_markers + n_dots > n_most:
-            return None
         seen = blob >= 0
+        n_first = n_left + int(((state["n_missed"] > 0) & ~absent).sum())
+        is_clear = 2 * (n_markers + n_dots + n_hidden) <= n_first
+        if not (is_unique and is_clear) or n_markers + n_dots > n_most:
+            return None
         state["x"], state["y"] = place_px[:, 0], place_px[:, 1]
         moved_px = place_px - self._before_px
         if self._is_certain and elapsed_s:

@@ -147,6 +147,52 @@ def test_noise_of_single_dots_is_no_gesture(fps):
     assert not seen
 
 
+AWAY_PX = np.hypot(*(2.5 * PAPER_GEL.points_mm.T))
+DRAG = 2.0 / math.pi * np.arcsin(16.0 / np.maximum(AWAY_PX, 16.0))
+"""How far each marker goes with a finger on the middle, which goes 1 [Mindlin]."""
+
+
+def drag(ways_px):
+    """Returns a tracker after a finger has gone these ways, one in each frame, and the dots."""
+    shown = Shown()
+    tracker = MarkerTracker(finder=shown)
+    tracker.anchor(RestField(0, REST_PX.astype(np.float32), is_new=True))
+    for k, way_px in enumerate(ways_px):
+        places_px = REST_PX + np.column_stack([way_px * DRAG, 0.0 * DRAG])
+        shown.blobs = Blobs(places_px, np.arange(0, 2136, 12, np.int32), np.zeros(0, np.int32))
+        t_us = 16_000 * (k + 1)
+        frame = Frame(np.full((1, 1), k, np.uint8), t_us - 4_000, t_us)
+        tracker.update(EventPacket(t_us - 16_000, t_us, np.empty(0, EVENT_DTYPE), (frame,)))
+    return tracker, places_px
+
+
+def count_mistaken(tracker, places_px):
+    state = tracker._tracks.state
+    return int((np.hypot(*(np.column_stack([state["x"], state["y"]]) - places_px).T) > 5.0).sum())
+
+
+@pytest.mark.parametrize("jerk_px", [10.0, 14.0])
+def test_markers_are_told_apart_after_a_jerk(jerk_px):
+    """The finger goes farther than the pitch from one frame to the next, in a way it has begun."""
+    ways_px = (0.0, 0.0, 3.0, 3.0 + jerk_px, 3.0 + jerk_px)
+    tracker, places_px = drag(ways_px)
+    assert count_mistaken(tracker, places_px) == 0
+    assert not tracker.is_unsure
+
+
+def test_a_jerk_that_nothing_explains_is_a_hand_too_fast():
+    """Every third dot under the finger is hidden where it arrives, so that no motion is certain."""
+    tracker, _ = drag((0.0, 0.0, 3.0))
+    shown = tracker._finder
+    places_px = REST_PX + np.column_stack([25.0 * DRAG, 9.0 * DRAG])
+    rng = np.random.default_rng(4)
+    places_px[AWAY_PX < 30.0] += rng.uniform(-6, 6, ((AWAY_PX < 30.0).sum(), 2))
+    shown.blobs = Blobs(places_px, np.arange(0, 2136, 12, np.int32), np.zeros(0, np.int32))
+    frame = Frame(np.full((1, 1), 9, np.uint8), 60_000, 64_000)
+    tracker.update(EventPacket(48_000, 64_000, np.empty(0, EVENT_DTYPE), (frame,)))
+    assert tracker.is_unsure
+
+
 def test_a_picture_without_the_gel_changes_nothing():
     tracks = make_tracks(NEIGHBOURS, TrackerConfig())
     tracks.rest_px[:] = REST_PX

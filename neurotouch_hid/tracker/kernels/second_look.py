@@ -89,7 +89,7 @@ def look_again(
     tuning: Tuning,
     blob: NDArray[np.int32],
     place_px: NDArray[np.float64],
-) -> tuple[int, int, bool]:
+) -> tuple[int, int, int, bool]:
     """Writes the blob and the place of each marker by the look that explains the frame best.
 
     Args:
@@ -110,7 +110,8 @@ def look_again(
 
     Returns:
         The number of markers and the number of dots that this look does not explain, see
-        ``count_unexplained``; False if another look, with other dots, is as good.
+        ``count_unexplained``; the number of markers without a dot; False if another look, with
+        other dots, is as good.
     """
     n, n_motions = len(rest_px), len(MOTIONS)
     largest_px = LEAST_PX
@@ -122,7 +123,7 @@ def look_again(
     n_looks = n_motions + n_sizes + len(pairs)
     blobs, scores = np.empty((n_looks, n), np.int32), np.empty(n_looks, np.int64)
     expected_px, looked_px, seen = np.empty((n, 2)), np.empty((n, 2)), np.empty(n, np.bool_)
-    best, n_markers, n_dots = 0, n, len(points_px)
+    best, least, n_markers, n_dots, n_hidden = 0, 3 * n + len(points_px), 0, 0, 0
     for look in range(n_looks):
         if look >= n_motions + n_sizes:
             marker, dot = pairs[look - n_motions - n_sizes]
@@ -140,12 +141,16 @@ def look_again(
         pair_blobs(
             expected_px, points_px, begin, rest_px, neighbours, tuning, blobs[look], looked_px
         )
+        n_unseen = 0
         for i in range(n):
             seen[i] = blobs[look, i] >= 0
+            n_unseen += not (seen[i] or absent[i])
         vanished, strangers = count_unexplained(points_px, begin, looked_px, seen, absent, inner)
-        scores[look] = vanished + strangers
-        if scores[look] < n_markers + n_dots:
-            best, n_markers, n_dots = look, vanished, strangers
+        # Also those that others may hide: a wrong motion squeezes markers together.
+        scores[look] = vanished + strangers + n_unseen
+        if scores[look] < least:
+            best, least, n_hidden = look, scores[look], n_unseen
+            n_markers, n_dots = vanished, strangers
             place_px[:] = looked_px
     is_unique = True
     for look in range(n_looks):
@@ -153,7 +158,7 @@ def look_again(
         for i in range(n):
             one, other = blobs[best, i], blobs[look, i]
             n_other += one >= 0 and other >= 0 and one != other
-        is_rival = scores[look] < n_markers + n_dots + CLEAR
+        is_rival = scores[look] < least + CLEAR
         is_unique = is_unique and not (is_rival and n_other > SAME_MARKERS)
     blob[:] = blobs[best]
-    return n_markers, n_dots, is_unique
+    return n_markers, n_dots, n_hidden, is_unique
