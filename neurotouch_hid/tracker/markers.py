@@ -340,7 +340,7 @@ class MarkerTracker:
         state, elapsed_us = self._tracks.state, t_us - self._frame_us
         self._frame_us = t_us
         going_px = 1e-6 * elapsed_us * float(np.hypot(state["vx"], state["vy"]).max())
-        if max(going_px, self._second_look.measure_way()) > 0.5 * NOMINAL_PITCH_PX:
+        if going_px > 0.5 * NOMINAL_PITCH_PX:
             self._hasty_us = t_us
         is_hasty = t_us - self._hasty_us <= _HASTY_US
         n_vanished, n_strangers = self._count_unexplained(blobs)

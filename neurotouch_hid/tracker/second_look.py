@@ -28,11 +28,6 @@ class SecondLook:
         self._before_px[:, 0], self._before_px[:, 1] = state["x"], state["y"]
         self._velocity[:, 0], self._velocity[:, 1] = state["vx"], state["vy"]
 
-    def measure_way(self) -> float:
-        """Returns how far the marker has gone that went farthest in this frame, px."""
-        state, before_px = self._tracks.state, self._before_px
-        return float(np.hypot(state["x"] - before_px[:, 0], state["y"] - before_px[:, 1]).max())
-
     def judge(self, *, is_certain: bool) -> None:
         """Takes whether the frame has shown for certain who is who."""
         if is_certain:
