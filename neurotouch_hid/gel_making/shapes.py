@@ -1,7 +1,9 @@
 """The few shapes of which all parts are made; ``manifold3d`` makes and joins them."""
 
+import ctypes
 import math
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from functools import lru_cache
 from importlib import import_module
 from types import ModuleType
@@ -19,6 +21,9 @@ AROUND: Final = 144
 """Sides of a large circle: one of 45 mm is then true to 0.01 mm."""
 _AROUND_SMALL: Final = 24
 _FAR: Final = 1000.0
+_NEEDS: Final = ("libpthread.so.0", "libdl.so.2", "libstdc++.so.6", "libm.so.6", "libgcc_s.so.1")
+"""The libraries that manifold3d needs. Its wheels tell the loader to look for them in a folder in
+``/tmp``, which any user can make. What is loaded before is looked for nowhere."""
 
 
 @lru_cache(maxsize=1)
@@ -29,6 +34,9 @@ def load_library() -> ModuleType:
         NeuroTouchError: it is not installed.
     """
     try:
+        for name in _NEEDS:
+            with suppress(OSError):  # another processor or C library has others
+                ctypes.CDLL(name)
         return import_module("manifold3d")
     except ImportError:
         raise NeuroTouchError(

@@ -18,7 +18,7 @@ from typing import Any
 
 import neurotouch_hid
 from neurotouch_hid.process.own_pool import open_pool
-from tests.room import matrix
+from tests.room import bound, judge, matrix
 from tests.room.judge import measure
 from tests.room.matrix import CONDITIONS, Condition
 from tests.room.table import format_table
@@ -31,7 +31,7 @@ def main() -> int:
     """Measures, then prints the table; returns 1 if a recording could not be played."""
     options = _parse()
     conditions = _choose(options.only, options.count)
-    made_by, judged_by = _digest(SIMULATOR), _digest(PACKAGE)
+    made_by, judged_by = _digest(SIMULATOR), _digest(PACKAGE, judge.__file__, bound.__file__)
     work = [(condition, seed) for condition in conditions for seed in options.seeds]
     results: dict[tuple[str, int], dict[str, Any]] = {}
     begun, failed = time.monotonic(), 0
@@ -85,9 +85,9 @@ def _choose(only: Sequence[str], count: int | None) -> list[Condition]:
     return chosen[:count]
 
 
-def _digest(folder: Path) -> str:
+def _digest(folder: Path, *others: str) -> str:
     """Returns which state of the program's files this is."""
-    files = [*sorted(folder.rglob("*.py")), Path(matrix.__file__)]
+    files = [*sorted(folder.rglob("*.py")), Path(matrix.__file__), *map(Path, others)]
     total = hashlib.sha256()
     for path in files:
         total.update(path.read_bytes())

@@ -17,6 +17,7 @@ from neurotouch_hid.evaluation.accuracy.comparison import Comparison
 from neurotouch_hid.evaluation.accuracy.label_track import LabelTrack
 from neurotouch_hid.messages import GestureKind, Step
 from neurotouch_hid.recording import RecordingWriter, labels_path, read_labels, write_labels
+from tests.room.bound import find_bound
 from tests.room.matrix import Condition, simulate
 
 
@@ -40,15 +41,21 @@ def measure(
 
 
 def record(condition: Condition, seed: int, path: Path) -> None:
-    """Writes the recording of a condition with its labels; a finished one is kept."""
-    if path.exists() and labels_path(path).exists():
+    """Writes the recording of a condition, its labels and their bound; a finished one is kept."""
+    if path.exists() and _bound_path(path).exists():
         return
-    truths = []
+    truths, slices = [], []
     with simulate(condition, seed) as simulator, RecordingWriter(path) as writer:
         for packet in simulator:
             writer.write(packet)
             truths += [simulator.truth(t_us) for t_us in simulator.find_labelled_times(packet)]
+            slices.append(simulator.truth(packet.t_end_us))
         write_labels(labels_path(path), truths)
+    _bound_path(path).write_text(json.dumps(find_bound(LabelTrack(truths), slices)))
+
+
+def _bound_path(recording: Path) -> Path:
+    return recording.with_suffix(".bound.json")
 
 
 def judge(path: Path) -> dict[str, Any]:
@@ -64,6 +71,7 @@ def judge(path: Path) -> dict[str, Any]:
     found = summarise(comparison.tally)
     return {
         **watch.summarise(),
+        **json.loads(_bound_path(path).read_text()),
         "type": found["gesture_accuracy"],
         "count": found["count_accuracy"],
         "distance_mm": found["distance_mm"],

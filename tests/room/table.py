@@ -17,6 +17,8 @@ def format_table(
 ) -> str:
     """Returns the table in Markdown, chapter by chapter.
 
+    Type and count are followed by what the labels allow at best, see ``find_bound``.
+
     Args:
         conditions: the rows; those without results are left out.
         results: of each condition by its name, one for each seed.
@@ -39,8 +41,7 @@ def _cells(found: Sequence[dict[str, Any]]) -> list[str]:
         _join("never" if each["found_s"] is None else f"{each['found_s']:.2f}" for each in found),
         _join(f"{each['tracked']}, {each['tracked_5']}" for each in found),
         _join(f"{each['right']} of {each['gestures']}" for each in found),
-        _join(_show(each["type"], 100, 1) for each in found),
-        _join(_show(each["count"], 100, 1) for each in found),
+        *(_join(_show_share(each, name) for each in found) for name in ("type", "count")),
         _join(_show(each["distance_mm"], 1, 2) for each in found),
         _join(_show(each["intensity_mm"], 1, 2) for each in found),
         _join(_show(each["rest_f1"], 1, 3) for each in found),
@@ -53,6 +54,10 @@ def _cells(found: Sequence[dict[str, Any]]) -> list[str]:
 def _join(texts: Any) -> str:
     texts = list(texts)
     return texts[0] if len(set(texts)) == 1 else " / ".join(texts)
+
+
+def _show_share(found: Mapping[str, Any], name: str) -> str:
+    return f"{_show(found[name], 100, 1)} of {_show(found[f'{name}_bound'], 100, 1)}"
 
 
 def _show(value: float | None, times: float, digits: int) -> str:
