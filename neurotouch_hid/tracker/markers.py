@@ -19,6 +19,7 @@ from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US
 from neurotouch_hid.tracker.kernels.slow_motion import forget_steps
 from neurotouch_hid.tracker.kernels.unexplained import count_unexplained
 from neurotouch_hid.tracker.quiet_return import QuietReturn
+from neurotouch_hid.tracker.second_look import SecondLook
 
 _PAST = 64  # checks remembered: at least 128 ms, longer than exposure and delay of a frame
 _MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed, or the rig was bumped
@@ -39,6 +40,7 @@ _SURE_SHARE = 0.025  # of the markers, which fingers that pinch hide as well
 _MOST_STRANGERS = 2  # dots that are no marker's, beyond those at rest
 _HIDDEN_SHARE = 0.1  # of the markers; more are not hidden by dots that run together
 _EXPLAINED_FRAMES = 2  # in a row, until the markers are told apart again
+_HASTY_US = 100_000  # markers that were too fast are told apart by then, or have been mistaken
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
 
@@ -183,6 +185,7 @@ class MarkerTracker:
         self._tracks = make_tracks(gel.neighbours, self._config)
         self._finder = finder or BlobFinder(gel=gel)
         self._correction = FrameCorrection(self._tracks, self._tuning)
+        self._second_look = SecondLook(self._tracks, self._tuning)
         self._flicker = FlickerFilter()
         self._return = QuietReturn(self._tracks)
         self._rest_px = np.full((n, 2), np.nan, np.float32)
@@ -198,6 +201,7 @@ class MarkerTracker:
         self._place_px = np.empty((n, 2))
         self._n_strangers = self._n_strangers_at_rest = 0
         self._n_explained = 0  # pictures in a row that contradict no track
+        self._hasty_us = _NEVER_US  # the last time that a marker went more than half of the pitch
         self._frame_us = 0  # the middle of the last exposure that was followed
         self._last_pixels: NDArray[np.uint8] | None = None
         self._n_mean = 0  # frames in the mean that the rest position is
@@ -328,35 +332,54 @@ class MarkerTracker:
             return
         # A camera that has no new picture in time may send the last one again.
         if self._last_pixels is None or not np.array_equal(frame.pixels, self._last_pixels):
+            self._second_look.remember()
             self._correction.follow(frame, blobs)
             self._judge(frame.t_us, blobs)
         self._last_pixels = frame.pixels
 
     def _judge(self, t_us: int, blobs: Blobs) -> None:
-        """Notes whether frames still tell the markers apart.
+        """Tells the markers apart in a frame, and notes whether that is certain.
 
-        They may not where a marker goes more than half of the pitch from frame to frame and others
+        It may not be where a marker goes more than half of the pitch from frame to frame and others
         are not seen. Fingers that squeeze dots together hide some as well, but then no dot is left
         over; a patch of tracks that is one place off leaves some behind it.
         """
         state, elapsed_us = self._tracks.state, t_us - self._frame_us
         self._frame_us = t_us
-        is_seen = state["n_missed"] == 0
-        unseen = float((~is_seen & ~self._absent).mean())
-        place_px = self._place_px
-        place_px[:, 0], place_px[:, 1] = state["x"], state["y"]
-        n_vanished, self._n_strangers = count_unexplained(
-            blobs.centroid_px, blobs.begin, place_px, is_seen, self._absent, self._inner
-        )
-        n_more = self._n_strangers - self._n_strangers_at_rest
+        going_px = 1e-6 * elapsed_us * float(np.hypot(state["vx"], state["vy"]).max())
+        if going_px > 0.5 * NOMINAL_PITCH_PX:
+            self._hasty_us = t_us
+        is_hasty = t_us - self._hasty_us <= _HASTY_US
+        n_vanished, n_strangers = self._count_unexplained(blobs)
+        n_most = self._n_strangers_at_rest + _MOST_STRANGERS
+        if is_hasty and n_vanished + n_strangers > n_most:
+            n_left = n_vanished + n_strangers
+            look = self._second_look.look(
+                blobs, elapsed_us, self._absent, self._inner, n_left, n_most
+            )
+            n_vanished, n_strangers = look or (n_vanished, n_strangers)
+        self._n_strangers = n_strangers
+        unseen = float(((state["n_missed"] > 0) & ~self._absent).mean())
+        n_more = n_strangers - self._n_strangers_at_rest
         is_explained = n_more <= _MOST_STRANGERS and n_vanished <= _HIDDEN_SHARE * len(state)
         self._n_explained = self._n_explained + 1 if is_explained else 0
+        is_shifted = n_more > _MOST_STRANGERS and n_vanished > _MOST_STRANGERS
         if self._is_unsure:
-            is_sure = unseen <= _SURE_SHARE or self._n_explained >= _EXPLAINED_FRAMES
-            self._is_unsure = not is_sure
-        elif unseen > _UNSURE_SHARE and not is_explained:
-            way_px = 1e-6 * elapsed_us * float(np.hypot(state["vx"], state["vy"]).max())
-            self._is_unsure = way_px > 0.5 * NOMINAL_PITCH_PX
+            is_sure = unseen <= _SURE_SHARE and n_more <= _MOST_STRANGERS
+            self._is_unsure = not (is_sure or self._n_explained >= _EXPLAINED_FRAMES)
+        elif is_shifted or (unseen > _UNSURE_SHARE and not is_explained):
+            self._is_unsure = is_hasty
+        self._second_look.judge(is_certain=is_explained and not self._is_unsure)
+
+    def _count_unexplained(self, blobs: Blobs) -> tuple[int, int]:
+        """Returns how many markers and how many dots of a frame contradict the tracks."""
+        state, place_px = self._tracks.state, self._place_px
+        place_px[:, 0], place_px[:, 1] = state["x"], state["y"]
+        is_seen = state["n_missed"] == 0
+        n_vanished, n_strangers = count_unexplained(
+            blobs.centroid_px, blobs.begin, place_px, is_seen, self._absent, self._inner
+        )
+        return int(n_vanished), int(n_strangers)
 
     def _follow_rig(self, measured_px: NDArray[np.float64], elapsed_us: int) -> None:
         """Moves the rest position with the rig, if the rig has moved."""

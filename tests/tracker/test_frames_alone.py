@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import PAPER_GEL, Rig, make_gel, place_square
-from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import (
     EVENT_DTYPE,
     EventPacket,
@@ -30,6 +30,7 @@ from neurotouch_hid.source.simulator import (
 )
 from neurotouch_hid.source.simulator.nuisances import read_nuisances
 from neurotouch_hid.tracker import MarkerTracker, TrackerConfig
+from neurotouch_hid.tracker.blobs import Blobs
 from neurotouch_hid.tracker.kernels import frames_alone
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.markers import make_tracks
@@ -98,6 +99,98 @@ def test_a_hidden_marker_of_a_still_gel_does_not_drift_away():
         frames_alone.follow(16_500 * k, 16_500 * k + 4_000, shown, begin, tracks, TUNING)
     assert tracks.lost.nonzero()[0].tolist() == [hidden]
     assert abs(tracks.state["x"][hidden] - REST_PX[hidden, 0]) < 0.3
+
+
+def test_a_dot_that_goes_alone_is_noise_but_a_finger_moves_several():
+    """A speck joins a dot's blob; later a finger goes a pixel, and all dots under it with it."""
+    tracks = make_tracks(NEIGHBOURS, TrackerConfig())
+    tracks.rest_px[:] = REST_PX
+    track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
+    begin = np.arange(0, 6 * 178, 6, dtype=np.int32)
+    middle = int(np.hypot(*PAPER_GEL.points_mm.T).argmin())
+    shown = REST_PX.copy()
+    shown[middle, 0] += 1.2
+    frames_alone.follow(16_500, 18_000, shown, begin, tracks, TUNING)
+    assert 0.0 < tracks.state["x"][middle] - REST_PX[middle, 0] < 0.4
+    finger = np.exp(-((PAPER_GEL.points_mm / 9) ** 2).sum(1))
+    for k in range(2, 6):
+        shown = REST_PX.copy()
+        shown[:, 0] += 0.9 * (k - 1) * finger
+        frames_alone.follow(16_500 * k, 16_500 * k + 1_500, shown, begin, tracks, TUNING)
+    np.testing.assert_allclose(tracks.state["x"], shown[:, 0], atol=0.1)
+
+
+class Shown:
+    """Stands in for the search of blobs, which the pixels of this test would only slow down."""
+
+    def find(self, _pixels):
+        return self.blobs
+
+
+@pytest.mark.parametrize("fps", [60, 125])
+def test_noise_of_single_dots_is_no_gesture(fps):
+    """Three dots of a hundred are off by more than noise, others each time, between frames too."""
+    rng, shown = np.random.default_rng(1), Shown()
+    tracker, recognizer = MarkerTracker(finder=shown), GestureRecognizer()
+    tracker.anchor(RestField(0, REST_PX.astype(np.float32), is_new=True))
+    begin, t_us, seen = np.arange(0, 12 * 178, 12, dtype=np.int32), 0, 0
+    for k in range(1, 15 * fps):
+        frame_us = k * 1_000_000 // fps
+        odd = rng.random((177, 1)) < 0.03
+        places_px = REST_PX + rng.normal(0, 0.15, (177, 2)) + odd * rng.normal(0, 0.8, (177, 2))
+        shown.blobs = Blobs(places_px, begin, np.zeros(0, np.int32))
+        frame = Frame(np.full((1, 1), k % 251, np.uint8), frame_us - 4_000, frame_us)
+        for end_us, frames in ((frame_us - 6_000, ()), (frame_us + 1, (frame,))):
+            packet = EventPacket(t_us, end_us, np.empty(0, EVENT_DTYPE), frames)
+            seen += recognizer.update(tracker.update(packet)).kind is not GestureKind.NONE
+            t_us = end_us
+    assert not seen
+
+
+AWAY_PX = np.hypot(*(2.5 * PAPER_GEL.points_mm.T))
+DRAG = 2.0 / math.pi * np.arcsin(16.0 / np.maximum(AWAY_PX, 16.0))
+"""How far each marker goes with a finger on the middle, which goes 1 [Mindlin]."""
+
+
+def drag(ways_px):
+    """Returns a tracker after a finger has gone these ways, one in each frame, and the dots."""
+    shown = Shown()
+    tracker = MarkerTracker(finder=shown)
+    tracker.anchor(RestField(0, REST_PX.astype(np.float32), is_new=True))
+    for k, way_px in enumerate(ways_px):
+        places_px = REST_PX + np.column_stack([way_px * DRAG, 0.0 * DRAG])
+        shown.blobs = Blobs(places_px, np.arange(0, 2136, 12, np.int32), np.zeros(0, np.int32))
+        t_us = 16_000 * (k + 1)
+        frame = Frame(np.full((1, 1), k, np.uint8), t_us - 4_000, t_us)
+        tracker.update(EventPacket(t_us - 16_000, t_us, np.empty(0, EVENT_DTYPE), (frame,)))
+    return tracker, places_px
+
+
+def count_mistaken(tracker, places_px):
+    state = tracker._tracks.state
+    return int((np.hypot(*(np.column_stack([state["x"], state["y"]]) - places_px).T) > 5.0).sum())
+
+
+@pytest.mark.parametrize("jerk_px", [10.0, 14.0])
+def test_markers_are_told_apart_after_a_jerk(jerk_px):
+    """The finger goes farther than the pitch from one frame to the next, in a way it has begun."""
+    ways_px = (0.0, 0.0, 3.0, 3.0 + jerk_px, 3.0 + jerk_px)
+    tracker, places_px = drag(ways_px)
+    assert count_mistaken(tracker, places_px) == 0
+    assert not tracker.is_unsure
+
+
+def test_a_jerk_that_nothing_explains_is_a_hand_too_fast():
+    """Every third dot under the finger is hidden where it arrives, so that no motion is certain."""
+    tracker, _ = drag((0.0, 0.0, 3.0))
+    shown = tracker._finder
+    places_px = REST_PX + np.column_stack([25.0 * DRAG, 9.0 * DRAG])
+    rng = np.random.default_rng(4)
+    places_px[AWAY_PX < 30.0] += rng.uniform(-6, 6, ((AWAY_PX < 30.0).sum(), 2))
+    shown.blobs = Blobs(places_px, np.arange(0, 2136, 12, np.int32), np.zeros(0, np.int32))
+    frame = Frame(np.full((1, 1), 9, np.uint8), 60_000, 64_000)
+    tracker.update(EventPacket(48_000, 64_000, np.empty(0, EVENT_DTYPE), (frame,)))
+    assert tracker.is_unsure
 
 
 def test_a_picture_without_the_gel_changes_nothing():

@@ -25,6 +25,8 @@ COMMON_SHARE = 0.3  # of a change of velocity, from the neighbours; half would l
 STILL_PX = 1.0  # neighbours that go less far from frame to frame tell where a hidden marker is
 RETURN_SHARE = 0.3  # of the way to where its neighbours say that a hidden marker is
 
+LONE_PX = 0.3  # a marker goes no farther from where its neighbours do ...
+LONE_RATIO = 2.0  # ... than this and so many spreads of them
 LEAST_SHARE = 3  # of three markers one is seen, or the picture or all tracks are wrong
 NO_BLOB: Final = -1
 
@@ -136,17 +138,57 @@ def pair_blobs(
 
 
 @kernel
-def _carry_hidden(elapsed_s: float, blob: NDArray[np.int32], tracks: Tracks) -> None:
-    """Carries each marker without a blob along with its neighbours that have one.
+def _clip_lone(
+    expected_px: NDArray[np.float64],
+    blob: NDArray[np.int32],
+    tracks: Tracks,
+    place_px: NDArray[np.float64],
+) -> None:
+    """Pulls each blob that goes its own way in a slow gel towards where its neighbours have gone.
 
-    With its own velocity, which is as noisy as one blob, it would drift away from a gel at rest.
-    Where neighbours are fast, they differ by more than that noise.
+    A finger is wider than the pitch, so no dot goes far alone. Specks that touch a blob, and noise
+    at its edge, move one blob.
+
+    Args:
+        expected_px: (n, 2) float64 px, where each marker would be at its last velocity.
+        blob: (n,) int32, -1 where a marker has none.
+        tracks: before the frame.
+        place_px: (n, 2) float64 px, updated.
+    """
+    n = len(place_px)
+    near_px, spread_px = np.empty((n, 2)), np.empty(n)
+    expect(place_px, blob >= 0, expected_px, tracks.neighbours, near_px, spread_px)
+    for i in range(n):
+        s = tracks.state[i]
+        # Written so that NaN, where too few neighbours are seen, is not slow.
+        is_slow = math.hypot(near_px[i, 0] - s.x, near_px[i, 1] - s.y) < STILL_PX
+        if blob[i] < 0 or not is_slow:
+            continue
+        x, y = place_px[i, 0] - near_px[i, 0], place_px[i, 1] - near_px[i, 1]
+        share = (LONE_PX + LONE_RATIO * spread_px[i]) / max(math.hypot(x, y), 1e-9)
+        if share < 1.0:
+            place_px[i, 0], place_px[i, 1] = near_px[i, 0] + share * x, near_px[i, 1] + share * y
+
+
+@kernel
+def _calm(elapsed_s: float, blob: NDArray[np.int32], tracks: Tracks) -> None:
+    """Gives markers of a slow gel the velocity of their neighbours, and places hidden ones there.
+
+    A velocity comes from two blobs, so it is noisier than either. What is expected between two
+    frames would be off by half as much again as a blob, and a marker without blobs would drift away
+    from a gel at rest. Where neighbours are fast, they differ by more than that noise.
+
+    Args:
+        elapsed_s: time since the last frame.
+        blob: (n,) int32, -1 where a marker has none.
+        tracks: updated.
     """
     state, rest_px = tracks.state, tracks.rest_px
-    for i in range(len(state)):
-        if blob[i] >= 0:
-            continue
+    n = len(state)
+    calm = np.empty((n, 2))
+    for i in range(n):
         x, y, vx, vy, used = 0.0, 0.0, 0.0, 0.0, 0
+        calm[i, 0], calm[i, 1] = state[i].vx, state[i].vy
         for k in range(8):
             j = tracks.neighbours[i, k]
             if j >= 0 and blob[j] >= 0:
@@ -154,11 +196,18 @@ def _carry_hidden(elapsed_s: float, blob: NDArray[np.int32], tracks: Tracks) -> 
                 x, y, used = x + s.x - rest_px[j, 0], y + s.y - rest_px[j, 1], used + 1
                 vx, vy = vx + s.vx, vy + s.vy
         way_px = elapsed_s * math.sqrt(vx * vx + vy * vy) / max(used, 1)
-        if used and way_px < STILL_PX:
-            s = state[i]
-            s.vx, s.vy = vx / used, vy / used
+        if not used or way_px >= STILL_PX:
+            continue
+        s = state[i]
+        if blob[i] >= 0:
+            if elapsed_s * math.hypot(s.vx - vx / used, s.vy - vy / used) < STILL_PX:
+                calm[i, 0], calm[i, 1] = (vx + s.vx) / (used + 1), (vy + s.vy) / (used + 1)
+        else:
+            calm[i, 0], calm[i, 1] = vx / used, vy / used
             s.x += RETURN_SHARE * (rest_px[i, 0] + x / used - s.x)
             s.y += RETURN_SHARE * (rest_px[i, 1] + y / used - s.y)
+    for i in range(n):
+        state[i].vx, state[i].vy = calm[i, 0], calm[i, 1]
 
 
 @kernel
@@ -196,6 +245,7 @@ def follow(
     pair_blobs(
         expected_px, points_px, begin, tracks.rest_px, tracks.neighbours, tuning, blob, place_px
     )
+    _clip_lone(expected_px, blob, tracks, place_px)
     n_seen = 0
     for i in range(n):
         n_seen += blob[i] >= 0
@@ -221,6 +271,6 @@ def follow(
         s.x, s.y, s.t_us = place_px[i, 0], place_px[i, 1], float(middle_us)
         s.n_missed = 0 if blob[i] >= 0 else s.n_missed + 1
         tracks.lost[i] = s.n_missed >= MAX_MISSED
-    _carry_hidden(longest_us * SECOND, blob, tracks)
+    _calm(longest_us * SECOND, blob, tracks)
     tracks.common[0].last_frame_us = end_us
     return n_seen

@@ -12,6 +12,7 @@ from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.correction import MAX_AREA_RATIO
 
 LEAST_AREA_RATIO = 0.35  # to the usual area; a smaller blob is a speck
+TAKEN_PX = 2.0  # a track is up to so far off its own dot, where it trusts its neighbours more
 MERGED_PX = 4.5  # dots of 4 px, blurred, run together where they are nearer
 
 
@@ -67,6 +68,6 @@ def count_unexplained(
             px2 = dx * dx + dy * dy
             if px2 < near_px2 or (px2 == near_px2 and seen[i]):
                 nearest, near_px2 = i, px2
-        is_taken = seen[nearest] and near_px2 == 0.0
+        is_taken = seen[nearest] and near_px2 <= TAKEN_PX * TAKEN_PX
         n_dots += inner[nearest] and not is_taken
     return n_markers, n_dots
