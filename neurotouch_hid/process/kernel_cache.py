@@ -1,31 +1,35 @@
-"""Compiles kernels, and keeps what was compiled for the next start.
+"""Makes functions kernels: each is compiled when it is first called, and kept for the next start.
 
-numba's own cache believes whatever it reads, and asks only whether the kernel's own file has
-changed. Here a damaged file is compiled again, and so is a kernel that calls one that has changed.
+A kept kernel is loaded as machine code, without numba's compiler and LLVM. They are imported as
+soon as one must be compiled.
 """
 
 import os
 import pickle
 import platform
+import sys
 from collections.abc import Callable
-from contextlib import suppress
-from functools import cache
-from hashlib import sha1, sha256
+from functools import cache, cached_property
+from hashlib import sha256
 from pathlib import Path
-from tempfile import TemporaryFile
+from threading import RLock
 from typing import Any, Final
 
-import numba
-from numba.core.codegen import JITCodeLibrary, ll
-from numba.core.compiler import CompileResult, compile_result
-from numba.core.runtime import rtsys
-from numba.core.serialize import dumps
+import numpy as np
 
-from neurotouch_hid.partial_file import write_whole
-from neurotouch_hid.process.source_stamp import stamp
+from neurotouch_hid.process.code_loading import find_fingerprint, find_numba, make_callable
+from neurotouch_hid.process.kernel_files import (
+    KernelFiles,
+    find_cache_trouble,
+    read_checked,
+    remove,
+    write_checked,
+)
 
-_DIGEST_BYTES: Final = sha256().digest_size
-_troubles: list[str] = []
+__all__ = ["Kernel", "find_cache_trouble", "kernel"]
+
+_IS_OFF: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") not in {"", "0"}
+_one_at_a_time: Final = RLock()
 
 
 def kernel(function: Callable[..., Any] | None = None, /, **options: Any) -> Any:
@@ -37,176 +41,173 @@ def kernel(function: Callable[..., Any] | None = None, /, **options: Any) -> Any
     """
     if function is None:
         return lambda function: kernel(function, **options)
-    dispatcher = numba.njit(nogil=True, **options)(function)
-    if not numba.config.DISABLE_JIT:
-        dispatcher._cache = KernelCache(function)
-    return dispatcher
+    return function if _IS_OFF else Kernel(function, options)
 
 
-def find_cache_trouble() -> str:
-    """Returns a sentence about why a compiled kernel could not be kept; empty if all were."""
-    return next(iter(_troubles), "")
-
-
-class KernelCache:
-    """Cache of one kernel: numba asks it for compiled code, and gives it each new one.
-
-    There is one file for each kernel, signature, processor model and version of Python and numba.
-    It begins with a digest of the rest.
+class Kernel:
+    """A function that runs as machine code; it is found by the types of its arguments.
 
     Args:
         function: the kernel in Python.
+        options: of ``numba.njit``.
+
+    Attributes:
+        py_func: the kernel in Python.
+        targetoptions: the options; under this name numba asks for them.
     """
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        source = Path(function.__code__.co_filename)
-        state = stamp(source)[:12]
-        self.cache_path = str(_find_folder(source.parent))
-        _remove_others(Path(self.cache_path), source.stem, state)
-        line = function.__code__.co_firstlineno
-        self._name = f"{source.stem}.{function.__qualname__}-{line}-{state}"
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        self.py_func = function
+        self.targetoptions = options
+        self.__doc__ = function.__doc__
+        self.__name__ = function.__name__
+        self.__module__ = function.__module__
+        self._found: dict[bytes, Callable[..., Any]] = {}
+        self._kept_alive: list[np.dtype[Any]] = []
 
-    def load_overload(self, signature: Any, target: Any) -> Any:
-        """Returns the compiled kernel, or None; what cannot be used is removed.
-
-        Compiled code needs numba's runtime only. numba's own cache loads 60 modules more here,
-        which compile what is not kept; numba loads them as soon as it has to compile.
-        """
-        rtsys.initialize(target)
-        path = self._find_path(signature, target.codegen())
+    def __call__(self, *args: Any) -> Any:  # noqa: D102
         try:
-            content = memoryview(path.read_bytes())
-            if sha256(content[_DIGEST_BYTES:]).digest() == content[:_DIGEST_BYTES]:
-                *kept, parts = pickle.loads(content[_DIGEST_BYTES:])  # noqa: S301  # our own file
-                if kept == [path.name, signature]:
-                    return _rebuild(target, *parts)
-        except FileNotFoundError:
+            function = self._found[_fingerprint(args)]
+        except (KeyError, NotImplementedError):
+            function = self._find(args)
+        return function(*args)
+
+    def __repr__(self) -> str:
+        return f"<kernel {self.py_func.__module__}.{self.py_func.__qualname__}>"
+
+    @cached_property
+    def files(self) -> KernelFiles:
+        """Files in which the compiled kernel is kept."""
+        return KernelFiles(self.py_func)
+
+    @cached_property
+    def dispatcher(self) -> Any:
+        """Object of numba for this kernel; it imports numba."""
+        from neurotouch_hid.process.kernel_compiler import make_dispatcher  # noqa: PLC0415
+
+        return make_dispatcher(self.py_func, self.targetoptions, self.files)
+
+    @property
+    def _numba_type_(self) -> Any:
+        # numba asks for it when it compiles another kernel that calls this one.
+        return self.dispatcher._numba_type_
+
+    def _find(self, args: tuple[Any, ...]) -> Callable[..., Any]:
+        """Returns the function for arguments of these types: loaded or, if need be, compiled."""
+        with _one_at_a_time:
+            try:
+                fingerprint = _fingerprint(args)
+                key = (_describe(args), *_describe_machine())
+            except NotImplementedError:  # arguments, or a numba, that we do not know
+                slow: Callable[..., Any] = self.dispatcher
+                return slow
+            function = self._load(key) or self._compile(args, key)
+            self._kept_alive += _list_dtypes(args)  # a fingerprint may be the address of one
+            self._found[fingerprint] = function
+            return function
+
+    def _load(self, key: tuple[object, ...]) -> Callable[..., Any] | None:
+        path = self.files.find_path(key, "code")
+        content = read_checked(path)
+        if content is None:
             return None
+        try:
+            name, linked = pickle.loads(content)  # noqa: S301  # our own file
+            if name == path.name:
+                return make_callable(linked, sys.modules[self.__module__], self.__name__)
         except Exception:  # noqa: S110  # whatever is wrong with it, it can be compiled again
             pass
-        with suppress(OSError):
-            path.unlink()
+        remove(path)
         return None
 
-    def save_overload(self, signature: Any, result: Any) -> None:
-        """Keeps a compiled kernel, if it can be kept."""
-        if result.library.has_dynamic_globals or result.reload_init:  # bound to this process
-            return
-        path = self._find_path(signature, result.library.codegen)
-        content = dumps((path.name, signature, result._reduce()))
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            write_whole(path, sha256(content).digest() + content)
-        except OSError as error:
-            _troubles.append(
-                f"What was compiled for this processor cannot be kept in '{path.parent}': "
-                f"{error.strerror}. Each start will compile it again."
-            )
+    def _compile(self, args: tuple[Any, ...], key: tuple[object, ...]) -> Callable[..., Any]:
+        from neurotouch_hid.process.kernel_compiler import compile_for  # noqa: PLC0415
 
-    def flush(self) -> None:
-        """Forgets what was compiled, before numba compiles it again."""
-        for path in Path(self.cache_path).glob(f"{self._name}.*.nbc"):
-            with suppress(OSError):
-                path.unlink()
-
-    def _find_path(self, signature: Any, codegen: Any) -> Path:
-        machine = (platform.python_version(), numba.__version__, *codegen.magic_tuple())
-        key = sha256(repr((str(signature), machine)).encode()).hexdigest()[:16]
-        return Path(self.cache_path, f"{self._name}.{key}.nbc")
+        function: Callable[..., Any]
+        function, linked = compile_for(self.dispatcher, args)
+        if linked is not None:
+            path = self.files.find_path(key, "code")
+            write_checked(path, pickle.dumps((path.name, linked)))
+        return function
 
 
-class _KeptLibrary(JITCodeLibrary):  # type: ignore[misc]  # numba has no types
-    """Machine code of a kept kernel, and the bitcode that it was compiled from.
-
-    numba parses the bitcode with each kernel that it loads. Here that waits until another kernel is
-    compiled that calls this one; a warm start compiles none.
-    """
-
-    _shared_module: Any
-
-    def __init__(self, codegen: Any, name: str, machine_code: bytes, bitcode: bytes) -> None:
-        super().__init__(codegen, name)
-        self._bitcode = bitcode
-        self.enable_object_caching()
-        self._set_compiled_object(machine_code)
-        self._finalize_final_module()
-
-    def get_pointer_to_function(self, name: str) -> int:
-        # numba first looks the name up among those of the bitcode.
-        return int(self.codegen._engine.get_function_address(name))
-
-    def _get_module_for_linking(self) -> Any:
-        if self._shared_module is None:
-            self._shared_module = ll.parse_bitcode(self._bitcode)
-        return self._shared_module
-
-
-def _rebuild(
-    target: Any,
-    code: tuple[str, str, tuple[bytes, bytes]],
-    description: Any,
-    environment: Any,
-    *others: Any,
-) -> CompileResult:
-    """Returns a kernel of what ``CompileResult._reduce`` made of it, as ``_rebuild`` there does."""
-    signature, objectmode, lifted, type_annotation, reload_init, referenced_envs = others
-    name, _, parts = code
-    library = _KeptLibrary(target.codegen(), name, *parts)
-    entry_point = target.get_executable(library, description, environment)
-    for each in referenced_envs:
-        library.codegen.set_env(each.env_name, each)
-    return compile_result(
-        target_context=target,
-        typing_context=target.typing_context,
-        library=library,
-        environment=environment,
-        entry_point=entry_point,
-        fndesc=description,
-        type_annotation=type_annotation,
-        signature=signature,
-        objectmode=objectmode,
-        lifted=lifted,
-        reload_init=reload_init,
-        referenced_envs=referenced_envs,
-    )
-
-
-@cache
-def _find_folder(beside: Path) -> Path:
-    """Returns where the kernels of a folder are kept.
-
-    That is in ``NUMBA_CACHE_DIR``, beside their source or in the person's own cache, whichever can
-    be written. If none can, it is the first that is asked for: it may hold what fits.
-
-    Args:
-        beside: the folder of their source.
-    """
-    name = f"{beside.name}_{sha1(str(beside).encode(), usedforsecurity=False).hexdigest()}"
-    chosen = numba.config.CACHE_DIR
-    places = [Path(chosen, name)] if chosen else []
-    places.append(beside / "__pycache__")
-    personal = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    if not personal.is_absolute():
-        with suppress(RuntimeError):  # nobody knows the home
-            personal = Path("~/.cache").expanduser()
-    if personal.is_absolute():
-        places.append(personal / "neurotouch" / name)
-    return next(filter(_is_writable, places), places[0])
-
-
-def _is_writable(folder: Path) -> bool:
+def _find_fingerprint(args: tuple[Any, ...]) -> bytes:
+    """Replaces itself by numba's own function, with the first call of a kernel."""
+    global _fingerprint  # noqa: PLW0603
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        TemporaryFile(dir=folder).close()
-    except OSError:
-        return False
-    return True
+        _fingerprint = find_fingerprint()
+    except (ImportError, AttributeError):  # a numba that we do not know
+        _fingerprint = _find_none
+    return _fingerprint(args)
+
+
+def _find_none(_: object) -> bytes:
+    raise NotImplementedError
+
+
+_fingerprint: Callable[[Any], bytes] = _find_fingerprint
+
+
+def _list_dtypes(value: object) -> list[np.dtype[Any]]:
+    if isinstance(value, np.ndarray | np.generic):
+        return [value.dtype]
+    if isinstance(value, tuple):
+        return [dtype for each in value for dtype in _list_dtypes(each)]
+    return []
+
+
+def _describe(value: object) -> object:
+    """Returns what numba knows of an argument when it compiles, in words that last.
+
+    Raises:
+        NotImplementedError: such an argument is left to numba.
+    """
+    if type(value) is np.ndarray:
+        flags = value.flags
+        layout = "C" if flags.c_contiguous else "F" if flags.f_contiguous else "A"
+        words = _describe_type(value.dtype), value.ndim, layout
+        return (*words, flags.writeable, flags.aligned)
+    if isinstance(value, np.generic):
+        return "scalar", _describe_type(value.dtype)
+    if type(value) is tuple:
+        return "tuple", *map(_describe, value)
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        named = type(value)
+        return named.__module__, named.__qualname__, named._fields, *map(_describe, value)
+    if value is None or type(value) in {bool, float, complex}:
+        return type(value).__name__
+    if type(value) is int and value.bit_length() < 64:
+        return "int"
+    raise NotImplementedError(type(value).__name__)
+
+
+def _describe_type(dtype: np.dtype[Any]) -> object:
+    if dtype.names is None or dtype.fields is None:
+        return dtype.str
+    fields = [(name, _describe_type(each), at) for name, (each, at, *_) in dtype.fields.items()]
+    return fields, dtype.itemsize, dtype.isalignedstruct
 
 
 @cache
-def _remove_others(folder: Path, stem: str, state: str) -> None:
-    """Removes what a file's kernels were compiled to in other states of the package."""
-    for path in folder.glob(f"{stem}.*.nb[ci]"):
-        if f"-{state}." not in path.name:
-            with suppress(OSError):  # a folder of another user, or another process was quicker
-                path.unlink()
+def _describe_machine() -> tuple[object, ...]:
+    """Returns on what machine code depends, apart from its source."""
+    numba_version = sha256((find_numba() / "_version.py").read_bytes()).hexdigest()
+    name, features = os.environ.get("NUMBA_CPU_NAME"), os.environ.get("NUMBA_CPU_FEATURES")
+    # Then numba does not look at this processor, and the code runs on others as well.
+    is_chosen = name == "generic" or None not in {name, features}
+    processor = "" if is_chosen else _read_processor()
+    return platform.python_version(), numba_version, name, features, processor
+
+
+def _read_processor() -> str:
+    """Returns model and abilities of the processor, as Linux tells them."""
+    wanted = {"vendor_id", "cpu family", "model", "flags"}
+    with Path("/proc/cpuinfo").open() as lines:
+        found = []
+        for line in lines:
+            name, _, words = line.partition(":")
+            if name.strip() in wanted:
+                found.append(words.strip())
+            if not line.strip():  # the second processor
+                break
+    return "\n".join(found)

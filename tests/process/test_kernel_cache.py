@@ -10,11 +10,11 @@ from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 
-import numba
 import pytest
 
 import neurotouch_hid
-from neurotouch_hid.process.kernel_cache import KernelCache, _find_folder
+from neurotouch_hid.process.kernel_cache import Kernel
+from neurotouch_hid.process.kernel_files import _find_folder
 from neurotouch_hid.process.own_command import make_own_command
 from neurotouch_hid.process.source_stamp import stamp
 
@@ -24,6 +24,10 @@ COPIED = (
     "partial_file.py",
     "process/__init__.py",
     "process/kernel_cache.py",
+    "process/kernel_compiler.py",
+    "process/kernel_files.py",
+    "process/code_loading.py",
+    "process/machine_code.py",
     "process/source_stamp.py",
 )
 OUTER = """
@@ -47,7 +51,13 @@ def double(x):
 CALL = """
 from neurotouch_hid.outer import call
 from neurotouch_hid.process.kernel_cache import find_cache_trouble
-print(call(3), sum(call.stats.cache_hits.values()), find_cache_trouble())
+import sys
+value = call(3)
+if "numba" in sys.modules:
+    how = "linked" if sum(call.dispatcher.stats.cache_hits.values()) else "compiled"
+else:
+    how = "loaded"
+print(value, how, find_cache_trouble())
 """
 
 LOAD = """
@@ -57,7 +67,58 @@ parse, n_parsed = binding.parse_bitcode, []
 binding.parse_bitcode = lambda code: n_parsed.append(1) or parse(code)
 from neurotouch_hid.outer import call
 assert call(3) == 6
-print(sum(call.stats.cache_hits.values()), len(n_parsed), "numba.np.polynomial" in sys.modules)
+print(
+    sum(call.dispatcher.stats.cache_hits.values()),
+    len(n_parsed),
+    "numba.np.polynomial" in sys.modules,
+)
+"""
+RICH = """
+import sys
+from threading import Thread
+import numpy as np
+from neurotouch_hid.rich import Pair, work
+
+def say(function, *args):
+    try:
+        print(repr(function(*args)))
+    except Exception as error:
+        print(repr(error))
+
+records = np.zeros(3, np.dtype([("a", "i8"), ("b", "?")], align=True))
+records["a"] = 1, 2, 3
+say(work, Pair(records, 2), 0.5)
+say(work, Pair(records[::2], 2), np.float32(0.5))
+say(work, Pair(records, 2), -1.0)
+
+print([each["a"].sum() for each in [records]], "numba" in sys.modules)
+import numba
+from neurotouch_hid.rich import outer
+say(outer, 3)
+say(work, Pair(records, 2), 0.5)
+"""
+RICH_KERNELS = """
+from typing import NamedTuple
+import numpy as np
+from neurotouch_hid.process.kernel_cache import kernel
+
+class Pair(NamedTuple):
+    records: np.ndarray
+    factor: int
+
+@kernel(error_model="numpy")
+def work(pair, x):
+    if x < 0:
+        raise ValueError("x is negative")
+    found = np.empty(len(pair.records))
+    for k in range(len(pair.records)):
+        found[k] = pair.records[k].a * pair.factor + np.hypot(x, 3.0)
+        pair.records[k].b = True
+    return found, pair.records[0].a, x > 0
+
+@kernel
+def outer(x):
+    return x + 1
 """
 
 
@@ -74,9 +135,9 @@ def copy(tmp_path):
 
 
 def call_aloud(package, prepare=None, **environment):
-    """Returns the value, how many kernels were found compiled, and the sentence of trouble."""
-    value, hits, trouble = say(CALL, package, prepare, **environment).split(" ", 2)
-    return int(value), int(hits), trouble
+    """Returns the value, how the kernel came about, and the sentence of trouble."""
+    value, how, trouble = say(CALL, package, prepare, **environment).split(" ", 2)
+    return int(value), how, trouble
 
 
 def say(program, package, prepare=None, **environment):
@@ -94,32 +155,53 @@ def say(program, package, prepare=None, **environment):
 
 
 def call(package, **environment):
-    value, hits, trouble = call_aloud(package, **environment)
+    value, how, trouble = call_aloud(package, **environment)
     assert not trouble
-    return value, hits
+    return value, how
+
+
+def find_kept(package, ending="code"):
+    """The compiled outer kernel, which calls the inner one."""
+    (path,) = package.rglob(f"outer.call-*.{ending}")
+    return path
 
 
 def test_a_kept_kernel_is_loaded_without_what_compiles(copy):
-    assert call(copy) == (6, 0)
+    assert call(copy) == (6, "compiled")
+    assert call(copy) == (6, "loaded")
+    find_kept(copy).unlink()
     assert say(LOAD, copy) == "1 0 False"
+    assert call(copy) == (6, "loaded")
 
 
-def find_kept(package):
-    """The compiled outer kernel, which calls the inner one."""
-    (path,) = package.rglob("outer.call-*.nbc")
-    return path
+def test_loaded_code_does_the_same_with_records_tuples_arrays_and_errors(copy):
+    (copy / "rich.py").write_text(RICH_KERNELS)
+    *compiled, modules, last, again = say(RICH, copy).splitlines()
+    assert compiled[0].startswith("(array([5.04")
+    assert "5.04" in compiled[1]
+    assert compiled[2] == "ValueError('x is negative')"
+    assert modules.endswith("True")
+    assert (last, again) == ("4", compiled[0])
+    (path,) = copy.rglob("rich.outer-*.nbc")
+    path.unlink()  # so that numba, imported later, has to compile beside loaded code
+    (path,) = copy.rglob("rich.outer-*.code")
+    path.unlink()
+    *loaded, modules, last, again = say(RICH, copy).splitlines()
+    assert loaded == compiled
+    assert modules.endswith("False")
+    assert (last, again) == ("4", compiled[0])
 
 
 @pytest.mark.parametrize("is_chosen", [False, True])
 def test_an_update_of_what_a_loop_calls_is_not_missed(copy, tmp_path, is_chosen):
     chosen = {"NUMBA_CACHE_DIR": str(tmp_path / "chosen")} if is_chosen else {}
-    assert call(copy, **chosen) == (6, 0)
-    assert call(copy, **chosen) == (6, 1)
+    assert call(copy, **chosen) == (6, "compiled")
+    assert call(copy, **chosen) == (6, "loaded")
     (copy / "constants.py").write_text("TWO = 20\n")
-    assert call(copy, **chosen) == (60, 0)
+    assert call(copy, **chosen) == (60, "compiled")
     (copy / "inner.py").write_text(INNER.replace("FACTOR = 1", "FACTOR = 2"))
-    assert call(copy, **chosen) == (120, 0)
-    assert call(copy, **chosen) == (120, 1)
+    assert call(copy, **chosen) == (120, "compiled")
+    assert call(copy, **chosen) == (120, "loaded")
     assert (tmp_path / "chosen").exists() == is_chosen
 
 
@@ -145,11 +227,11 @@ def call(x):
 """
     (copy / "inner.py").write_text(named)
     (copy / "outer.py").write_text(outer)
-    assert call(copy) == (6, 0)
+    assert call(copy) == (6, "compiled")
     (copy / "inner.py").write_text(named.replace("Pair", "Couple"))
     (copy / "outer.py").write_text(outer.replace("Pair", "Couple"))
-    assert call(copy) == (6, 0)
-    assert call(copy) == (6, 1)
+    assert call(copy) == (6, "compiled")
+    assert call(copy) == (6, "loaded")
     kept = [path.name for path in copy.rglob("*.nbc")]
     assert len(kept) == len({name.split("-")[0] for name in kept}) >= 2  # the old ones are gone
 
@@ -158,47 +240,57 @@ def flip(content, place):
     return content[:place] + bytes([content[place] ^ 0x10]) + content[place + 1 :]
 
 
-def test_what_is_damaged_is_compiled_again(copy):
-    assert call(copy) == (6, 0)
-    path = find_kept(copy)
+@pytest.mark.parametrize(("ending", "instead"), [("code", "linked"), ("nbc", "compiled")])
+def test_what_is_damaged_is_made_again(copy, ending, instead):
+    assert call(copy) == (6, "compiled")
+    path = find_kept(copy, ending)
     content = path.read_bytes()
     for damaged in (
         b"",
         content[:40],
         content[:-1],
-        flip(content, 0),
         flip(content, len(content) // 2),
-        bytes(len(content)),
         sha256(b"no pickle").digest() + b"no pickle",
     ):
         path.write_bytes(damaged)
-        assert call(copy) == (6, 0)
-    assert call(copy) == (6, 1)
+        find_kept(copy).unlink() if ending == "nbc" else None
+        assert call(copy) == (6, instead)
+    assert path.read_bytes() != damaged
+    assert call(copy) == (6, "loaded")
 
 
 def test_another_kernel_in_the_place_of_one_is_not_used(copy):
-    assert call(copy) == (6, 0)
-    kept = find_kept(copy)
+    assert call(copy) == (6, "compiled")
+    find_kept(copy).unlink()
     (other,) = copy.rglob("inner.double-*.nbc")
-    other.replace(kept)
-    assert call(copy) == (6, 0)
+    other.replace(find_kept(copy, "nbc"))
+    assert call(copy) == (6, "compiled")
+
+
+def test_code_for_other_types_is_not_used(copy):
+    assert say(CALL.replace("call(3)", "call(3.0)"), copy).startswith("6.0 compiled")
+    of_float = find_kept(copy)
+    assert call(copy) == (6, "compiled")
+    (of_int,) = {*copy.rglob("outer.call-*.code")} - {of_float}
+    of_int.write_bytes(of_float.read_bytes())
+    assert call(copy) == (6, "linked")
 
 
 def test_another_processor_has_files_of_its_own(copy):
-    assert call(copy) == (6, 0)
-    assert call(copy, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == (6, 0)
-    assert len([*copy.rglob("outer.call-*.nbc")]) == 2
-    assert call(copy) == (6, 1)
-    assert call(copy, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == (6, 1)
+    assert call(copy) == (6, "compiled")
+    assert call(copy, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == (6, "compiled")
+    assert len([*copy.rglob("outer.call-*.code")]) == 2
+    assert call(copy) == (6, "loaded")
+    assert call(copy, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == (6, "loaded")
 
 
 def test_a_folder_in_the_place_of_a_file_only_costs_time(copy):
-    assert call(copy) == (6, 0)
+    assert call(copy) == (6, "compiled")
     kept = find_kept(copy)
     kept.unlink()
     kept.mkdir()
-    value, hits, trouble = call_aloud(copy)
-    assert (value, hits) == (6, 0)
+    value, how, trouble = call_aloud(copy)
+    assert (value, how) == (6, "linked")
     assert str(kept.parent) in trouble
 
 
@@ -206,10 +298,10 @@ def test_without_room_all_is_compiled_and_one_sentence_says_so(copy):
     def fill_the_disk():
         resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
 
-    value, hits, trouble = call_aloud(copy, fill_the_disk, PYTHONDONTWRITEBYTECODE="1")
-    assert (value, hits) == (6, 0)
+    value, how, trouble = call_aloud(copy, fill_the_disk, PYTHONDONTWRITEBYTECODE="1")
+    assert (value, how) == (6, "compiled")
     assert "cannot be kept in" in trouble
-    assert not [*copy.rglob("*.partial"), *copy.rglob("*.nbc")]
+    assert not [each for end in ("partial", "nbc", "code") for each in copy.rglob(f"*.{end}")]
 
 
 def test_without_any_place_all_is_compiled(copy):
@@ -219,8 +311,8 @@ def test_without_any_place_all_is_compiled(copy):
         "XDG_CACHE_HOME": "/dev/null/personal",
         "PYTHONDONTWRITEBYTECODE": "1",
     }
-    value, hits, trouble = call_aloud(copy, **nowhere)
-    assert (value, hits) == (6, 0)
+    value, how, trouble = call_aloud(copy, **nowhere)
+    assert (value, how) == (6, "compiled")
     assert "/dev/null/chosen" in trouble
 
 
@@ -231,12 +323,12 @@ def obey_modes():
 
 
 def test_what_only_others_may_write_is_still_read(copy):
-    assert call(copy) == (6, 0)
+    assert call(copy) == (6, "compiled")
     folder = copy / "__pycache__"
     folder.chmod(0o555)
     try:
         elsewhere = {"XDG_CACHE_HOME": "/dev/null", "PYTHONDONTWRITEBYTECODE": "1"}
-        assert call_aloud(copy, obey_modes, **elsewhere) == (6, 1, "")
+        assert call_aloud(copy, obey_modes, **elsewhere) == (6, "loaded", "")
     finally:
         folder.chmod(0o755)
 
@@ -259,7 +351,7 @@ def list_kernels():
 def test_every_kernel_of_ours_is_kept_so():
     kernels = [*list_kernels()]
     assert len(kernels) > 100
-    assert all(isinstance(each._cache, KernelCache) for each in kernels)
+    assert all(isinstance(each, Kernel) for each in kernels)
 
 
 def test_the_stamp_of_a_loop_is_that_of_all_it_imports():
@@ -276,18 +368,18 @@ def warm(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         for kernels in PACKAGE.rglob("kernels"):
             usual = _find_folder(kernels)
-            patch.setattr(numba.config, "CACHE_DIR", str(chosen))
+            patch.setenv("NUMBA_CACHE_DIR", str(chosen))
             shutil.copytree(usual, _find_folder.__wrapped__(kernels), dirs_exist_ok=True)
             patch.undo()
     play(chosen)
     return chosen
 
 
-def play(chosen, prepare=None):
+def play(chosen, prepare=None, **environment):
     words = "run --source sim:press --device memory --speed max --seconds 0.2 --show nothing"
     done = subprocess.run(
         make_own_command(*words.split()),
-        env={**os.environ, "NUMBA_CACHE_DIR": str(chosen)},
+        env={**os.environ, "NUMBA_CACHE_DIR": str(chosen), **environment},
         check=False,
         capture_output=True,
         text=True,
@@ -298,9 +390,16 @@ def play(chosen, prepare=None):
     return done.stderr
 
 
+def test_a_warm_start_imports_no_compiler(warm):
+    told = play(warm, PYTHONPROFILEIMPORTTIME="1")
+    imported = {line.rpartition("|")[2].strip() for line in told.splitlines()}
+    assert "numpy" in imported
+    assert not {"numba", "llvmlite"} & imported
+
+
 def test_a_run_mends_a_damaged_cache_without_a_word(warm):
-    contents = {path: path.read_bytes() for path in warm.rglob("displacement.*.nbc")}
-    assert contents
+    contents = {path: path.read_bytes() for path in warm.rglob("displacement.displace-*")}
+    assert {path.suffix for path in contents} == {".nbc", ".code"}
     for path, content in contents.items():
         path.write_bytes(content[:-100])
     assert "kept" not in play(warm)
@@ -309,7 +408,7 @@ def test_a_run_mends_a_damaged_cache_without_a_word(warm):
 
 
 def test_a_run_without_room_says_once_that_it_compiles_again(warm):
-    for path in warm.rglob("displacement.*.nbc"):
+    for path in warm.rglob("displacement.displace-*"):
         path.unlink()
     told = play(warm, lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0)))
     assert told.count("cannot be kept") == 1

@@ -32,7 +32,7 @@ def found(tmp_path_factory) -> dict:
     shutil.copy(package, results)
     image = make_image()
     compile_service(package, results / "compiled-service")
-    left_out = list(results.rglob(f"{LEFT_OUT}-*.nbc"))
+    left_out = list(results.rglob(f"{LEFT_OUT}-*.*"))
     assert left_out
     for path in left_out:
         path.unlink()
@@ -65,7 +65,8 @@ def test_the_package_is_installed_and_every_file_is_whole(found):
 
 def test_every_compiled_kernel_is_whole_also_the_last_one(found):
     assert all(found["kernels"].values())
-    assert found["kernels"][LEFT_OUT]
+    assert found["kernels"][f"{LEFT_OUT}.nbc"]
+    assert found["kernels"][f"{LEFT_OUT}.code"]
 
 
 def test_the_service_starts_and_makes_its_pad(found):

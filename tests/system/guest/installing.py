@@ -56,7 +56,11 @@ def look() -> dict[str, Any]:
         "state": run("dpkg-query", "--show", "--showformat=${Status}", "neurotouch-hid")["out"],
         "audit": run("dpkg", "--audit")["out"],
         "verified": run("dpkg", "--verify", "neurotouch-hid")["out"],
-        "kernels": {path.name.split("-")[0]: is_whole(path) for path in _CACHE.rglob("*.nbc")},
+        "kernels": {
+            path.name.split("-")[0] + path.suffix: is_whole(path)
+            for ending in ("nbc", "code")
+            for path in _CACHE.rglob(f"*.{ending}")
+        },
         "checked": run("neurotouch", "profile", "check"),
     }
     choose_processor()
