@@ -75,6 +75,11 @@ class Kernel:
     def __repr__(self) -> str:
         return f"<kernel {self.py_func.__module__}.{self.py_func.__qualname__}>"
 
+    @property
+    def n_variants(self) -> int:
+        """For how many types of arguments there is machine code in this process."""
+        return len(self._found)
+
     @cached_property
     def files(self) -> KernelFiles:
         """Files in which the compiled kernel is kept."""

@@ -24,7 +24,6 @@ class KernelFiles:
 
     Attributes:
         folder: where they are written.
-        beside: where those lie that came with the program, beside the kernel's source.
         name: begins the name of each.
     """
 
@@ -32,21 +31,19 @@ class KernelFiles:
         source = Path(function.__code__.co_filename)
         state = stamp(source)[:12]
         self.folder = _find_folder(source.parent)
-        self.beside = source.parent / "__pycache__"
         _remove_others(self.folder, source.stem, state)
         line = function.__code__.co_firstlineno
         self.name = f"{source.stem}.{function.__qualname__}-{line}-{state}"
 
-    def find_path(self, key: object, ending: str, folder: Path | None = None) -> Path:
+    def find_path(self, key: object, ending: str) -> Path:
         """Returns the path of one file.
 
         Args:
             key: everything that it depends on, apart from the source; its ``repr`` counts.
             ending: of its name.
-            folder: another one than that in which files are written.
         """
         digest = sha256(repr(key).encode()).hexdigest()[:16]
-        return (folder or self.folder) / f"{self.name}.{digest}.{ending}"
+        return self.folder / f"{self.name}.{digest}.{ending}"
 
 
 def read_checked(path: Path) -> memoryview | None:
