@@ -213,11 +213,12 @@ def test_signal_while_playing_is_an_orderly_end(number, n_times):
     assert "Traceback" not in rest
 
 
-@pytest.mark.parametrize("library", ["numpy", "llvmlite", "pydantic_core"])
+@pytest.mark.parametrize("library", ["numpy", "pydantic_core", "_helperlib"])  # the last: kernels
 def test_ctrl_c_while_libraries_are_imported_is_no_traceback(library):
     process = start("run", "--source", "sim:tour", "--device", "memory", "--show", "nothing")
     maps = Path(f"/proc/{process.pid}/maps")
     while library not in maps.read_text():
+        assert process.poll() is None
         time.sleep(0.001)
     process.send_signal(signal.SIGINT)
     _, text = process.communicate(timeout=300)
