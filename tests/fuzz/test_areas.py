@@ -30,7 +30,7 @@ def test_the_same_seed_gives_the_same_cases():
     ("check", "fault"),
     [
         (lambda path: 1 // 0, "ZeroDivisionError"),
-        (lambda path: bytearray(300 << 20).count(1), " MB"),
+        (lambda path: bytearray(600 << 20).count(1), " MB"),
     ],
 )
 def test_a_fault_is_kept(tmp_path, check, fault):
