@@ -89,7 +89,8 @@ def make_callable(linked: LinkedCode, module: ModuleType, name: str) -> Callable
 def find_fingerprint() -> Callable[[object], bytes]:
     """Returns numba's function that tells types of arguments apart, for this process only.
 
-    Its answer is short and comes within a microsecond. A dtype with fields counts by its address.
+    Its answer is short and comes within a microsecond. For a dtype with fields it has the
+    address of the first equal one, which numba keeps.
     """
     fingerprint: Callable[[object], bytes] = _import_part("_dispatcher").compute_fingerprint
     return fingerprint

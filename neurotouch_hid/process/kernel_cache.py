@@ -63,7 +63,6 @@ class Kernel:
         self.__name__ = function.__name__
         self.__module__ = function.__module__
         self._found: dict[bytes, Callable[..., Any]] = {}
-        self._kept_alive: list[np.dtype[Any]] = []
 
     def __call__(self, *args: Any) -> Any:  # noqa: D102
         try:
@@ -107,7 +106,6 @@ class Kernel:
                 slow: Callable[..., Any] = self.dispatcher
                 return slow
             function = self._load(key) or self._compile(args, key)
-            self._kept_alive += _list_dtypes(args)  # a fingerprint may be the address of one
             self._found[fingerprint] = function
             return function
 
@@ -151,14 +149,6 @@ def _find_none(_: object) -> bytes:
 
 
 _fingerprint: Callable[[Any], bytes] = _find_fingerprint
-
-
-def _list_dtypes(value: object) -> list[np.dtype[Any]]:
-    if isinstance(value, np.ndarray | np.generic):
-        return [value.dtype]
-    if isinstance(value, tuple):
-        return [dtype for each in value for dtype in _list_dtypes(each)]
-    return []
 
 
 def _describe(value: object) -> object:

@@ -2,6 +2,7 @@
 
 import ctypes
 import os
+import pickle
 import resource
 import shutil
 import subprocess
@@ -10,13 +11,16 @@ from hashlib import sha256
 from importlib import import_module
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import neurotouch_hid
+from neurotouch_hid.messages import EVENT_DTYPE
 from neurotouch_hid.process.kernel_cache import Kernel
 from neurotouch_hid.process.kernel_files import _find_folder
 from neurotouch_hid.process.own_command import make_own_command
 from neurotouch_hid.process.source_stamp import stamp
+from neurotouch_hid.tracker.kernels.event_camera import add_events
 
 PACKAGE = Path(neurotouch_hid.__file__).parent
 COPIED = (
@@ -412,3 +416,14 @@ def test_a_run_without_room_says_once_that_it_compiles_again(warm):
         path.unlink()
     told = play(warm, lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0)))
     assert told.count("cannot be kept") == 1
+
+
+def test_a_dtype_that_is_made_again_and_again_is_the_same_to_a_kernel():
+    """Arrays with fields that come from another process bring such dtypes."""
+    net = np.zeros((260, 346), np.float32)
+    for _ in range(2):  # the first call may import numba, which then numbers dtypes once more
+        add_events(np.zeros(1, EVENT_DTYPE), net)
+    n_before = add_events.n_variants
+    for _ in range(50):
+        add_events(np.zeros(1, pickle.loads(pickle.dumps(EVENT_DTYPE))), net)
+    assert add_events.n_variants == n_before <= 2
