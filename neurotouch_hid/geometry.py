@@ -13,6 +13,7 @@ NOMINAL_PX_PER_MM = 2.5  # [NT, "Results"]: r = 30 px is about 12 mm
 NOMINAL_PITCH_PX = 10.0  # the same for markers that are 4 mm apart
 _NEAR = 1.6  # pitches: the diagonal of a square is nearer, the next but one marker is not
 _ROUNDING_MM = 1e-9
+_WIDEST_RIM_MM = 31.0  # of the paper's gel; the closed forms fit finite elements with it
 _SAME = 0.05  # of the pitch
 _MOST_TURNS = 12
 _MOST_NEIGHBOURS = 8  # as many as a square lattice has
@@ -29,6 +30,8 @@ class Gel:
             the row.
         pitch_mm: distance of neighbours.
         radius_mm: of the gel around the origin.
+        rim_mm: how far from the origin the housing clamps it: half a pitch beyond the last marker,
+            as otherwise there would be another one; at most as far as on the paper's gel.
         dot_mm: diameter of a marker.
         light: True for light markers on a dark gel, False for dark ones on a light gel.
         dome_height_mm: height of the middle over the rim; 0 for a flat gel.
@@ -39,6 +42,7 @@ class Gel:
     neighbours: NDArray[np.intp]
     pitch_mm: float
     radius_mm: float
+    rim_mm: float
     dot_mm: float
     light: bool
     dome_height_mm: float
@@ -71,12 +75,18 @@ def make_gel(
     light: bool = True,
     dome_height_mm: float = 15.0,
 ) -> Gel:
-    """Returns a gel with the neighbours of its markers; the arguments are as of ``Gel``."""
+    """Returns a gel with the neighbours of its markers, and its rim.
+
+    The arguments are as of ``Gel``.
+    """
     points_mm = np.array(points_mm, np.float64)
+    rim_mm = min(float(np.hypot(*points_mm.T).max()) + 0.5 * pitch_mm, _WIDEST_RIM_MM)
     neighbours = _find_neighbours(points_mm, _NEAR * pitch_mm)
     for array in (points_mm, neighbours):
         array.setflags(write=False)
-    return Gel(name, points_mm, neighbours, pitch_mm, radius_mm, dot_mm, light, dome_height_mm)
+    return Gel(
+        name, points_mm, neighbours, pitch_mm, radius_mm, rim_mm, dot_mm, light, dome_height_mm
+    )
 
 
 def place_square(pitch_mm: float, radius_mm: float) -> Floats:

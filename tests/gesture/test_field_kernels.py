@@ -21,6 +21,7 @@ from neurotouch_hid.gesture.elastic.kernels.field import (
 from tests.reference import gesture_elastic as reference
 
 PLACE = st.floats(-26, 26)
+RIM_MM = PAPER_GEL.rim_mm
 
 
 class Gel(NamedTuple):
@@ -32,7 +33,7 @@ class Gel(NamedTuple):
 
 def respond_everywhere(points, sites, regular=0.0):
     atoms = np.empty((2 * len(points), 3 * len(sites)))
-    fill_responses(points, sites, 6.5, atoms)
+    fill_responses(points, sites, 6.5, RIM_MM, atoms)
     rows = atoms.reshape(-1, len(sites), 3)
     gram = np.einsum("nsa,nsb->sab", rows, rows) + regular * np.eye(3)
     return Gel(atoms.astype(np.float32), np.linalg.inv(gram), sites.copy(), len(sites))
@@ -40,7 +41,7 @@ def respond_everywhere(points, sites, regular=0.0):
 
 @given(PLACE, PLACE, PLACE, PLACE, st.floats(4.5, 9))
 def test_respond_equals_its_twin(x, y, cx, cy, a):
-    xx, xy, yy, tx, ty = respond(x, y, rim_window(x * x + y * y), cx, cy, a)
+    xx, xy, yy, tx, ty = respond(x, y, rim_window(x * x + y * y, RIM_MM), cx, cy, a, RIM_MM)
     expected = reference.respond(x, y, cx, cy, a)
     np.testing.assert_allclose([[xx, xy, tx], [xy, yy, ty]], expected, atol=1e-9)
 
@@ -48,10 +49,10 @@ def test_respond_equals_its_twin(x, y, cx, cy, a):
 @given(st.lists(st.tuples(PLACE, PLACE), min_size=1, max_size=20), PLACE, PLACE, st.floats(4.5, 9))
 def test_many_points_respond_as_each_alone(points, cx, cy, a):
     points = np.array([*points, (cx, cy), (cx + a, cy)])
-    window = np.array([rim_window(float(r2)) for r2 in (points**2).sum(axis=1)])
+    window = np.array([rim_window(float(r2), RIM_MM) for r2 in (points**2).sum(axis=1)])
     answer = np.empty((7, len(points)))
-    respond_along(points[:, 0].copy(), points[:, 1].copy(), window, cx, cy, a, answer)
-    each = [respond(x, y, w, cx, cy, a) for (x, y), w in zip(points, window, strict=True)]
+    respond_along(points[:, 0].copy(), points[:, 1].copy(), window, cx, cy, a, RIM_MM, answer)
+    each = [respond(x, y, w, cx, cy, a, RIM_MM) for (x, y), w in zip(points, window, strict=True)]
     np.testing.assert_array_equal(answer[:5].T, each)
 
 
@@ -60,20 +61,22 @@ def test_couple_equals_its_twin(k):
     rng = np.random.default_rng(k)
     centres, radii = rng.uniform(-18, 18, (k, 2)), rng.uniform(5, 8, k)
     np.testing.assert_allclose(
-        build_compliance(centres, radii), reference.build_compliance(centres, radii), atol=1e-9
+        build_compliance(centres, radii, RIM_MM),
+        reference.build_compliance(centres, radii),
+        atol=1e-9,
     )
 
 
 def test_a_single_finger_has_its_own_motion():
     np.testing.assert_allclose(
-        build_compliance(np.zeros((1, 2)), np.full(1, 6.5)), np.eye(3), atol=1e-12
+        build_compliance(np.zeros((1, 2)), np.full(1, 6.5), RIM_MM), np.eye(3), atol=1e-12
     )
 
 
 def test_the_push_is_twice_as_large_along_as_across():
     """An incompressible half space far from the finger [Cerruti]; the rim is the same for both."""
-    along = respond(20.0, 0.0, rim_window(400.0), 0.0, 0.0, 2.0)[0]
-    across = respond(0.0, 20.0, rim_window(400.0), 0.0, 0.0, 2.0)[0]
+    along = respond(20.0, 0.0, rim_window(400.0, RIM_MM), 0.0, 0.0, 2.0, RIM_MM)[0]
+    across = respond(0.0, 20.0, rim_window(400.0, RIM_MM), 0.0, 0.0, 2.0, RIM_MM)[0]
     assert along / across == pytest.approx(2.0, abs=0.1)
 
 

@@ -6,7 +6,7 @@ import pytest
 from neurotouch_hid.geometry import PAPER_GEL, Rig, make_gel, place_grid
 from neurotouch_hid.gesture.elastic.fingers import FingerConfig, FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, find_site
-from neurotouch_hid.gesture.elastic.kernels.fit import REACH_MM
+from neurotouch_hid.gesture.elastic.kernels.fit import RIM_WIDTH_MM
 from neurotouch_hid.gesture.elastic.kernels.follow import NOW
 from tests.gesture.elastic import field
 
@@ -121,7 +121,7 @@ def test_every_fourth_site_shows_whether_there_is_a_finger_at_all():
     for _ in range(200):
         place_mm = rng.uniform(-18.0, 18.0, (1, 2))
         response = np.empty((2 * len(PAPER_GEL.points_mm), 3))
-        fill_responses(PAPER_GEL.points_mm, place_mm, rng.uniform(5.0, 8.0), response)
+        fill_responses(PAPER_GEL.points_mm, place_mm, rng.uniform(5.0, 8.0), 31.0, response)
         field = (response @ rng.normal(0.0, (1.0, 1.0, 0.1))).reshape(-1, 2)
         gel["n_coarse"] = n_sites
         best = find_site(gel, field, weight, known, 5.0, 0.0)
@@ -204,7 +204,7 @@ FLAT = make_gel("flat", place_grid(10, 7, 2.03, 2.03), pitch_mm=2.03, radius_mm=
 def test_a_finger_beside_the_dots_is_found_at_their_rim(place_mm):
     """What it moves of them looks like a finger at the rim, and nothing shows where it ends."""
     response = np.empty((2 * FLAT.n_markers, 3))
-    fill_responses(FLAT.points_mm, np.array([place_mm]), 6.5, response)
+    fill_responses(FLAT.points_mm, np.array([place_mm]), 6.5, FLAT.rim_mm, response)
     fingers = FingerTracker(gel=FLAT)
     fingers.place(FLAT.points_mm.astype(np.float32), RIG)
     for size_mm in (1.0, 2.0, 3.0, 4.0, 4.0, 3.0, 2.0, 1.0):
@@ -218,4 +218,4 @@ def test_a_finger_beside_the_dots_is_found_at_their_rim(place_mm):
 
 
 def test_on_the_usual_gel_a_finger_may_be_anywhere_within_its_reach():
-    assert FingerTracker().gel["inner_mm"][0] > REACH_MM
+    assert FingerTracker().gel["inner_mm"][0] > PAPER_GEL.rim_mm - RIM_WIDTH_MM

@@ -21,7 +21,8 @@ from neurotouch_hid.gesture.elastic.kernels.fit import (
 )
 from tests.reference import gesture_elastic as reference
 
-WINDOW = np.array([rim_window(float(r2)) for r2 in (PAPER_GEL.points_mm**2).sum(axis=1)])
+RIM_MM = PAPER_GEL.rim_mm
+WINDOW = np.array([rim_window(float(r2), RIM_MM) for r2 in (PAPER_GEL.points_mm**2).sum(axis=1)])
 POINTS = np.ascontiguousarray(PAPER_GEL.points_mm.T)
 TRACKER = FingerTracker()
 TRACKER.place(PAPER_GEL.points_mm.astype(np.float32), Rig((0.0, 0.0), 1.0))  # a pixel a millimetre
@@ -85,7 +86,7 @@ def fit_to(fit, moved, weight, *, noise_mm=0.05, model_error=0.02, n_steps):
 
 
 def invert_coupling(centres, radii):
-    inverse = build_compliance(centres, radii)
+    inverse = build_compliance(centres, radii, RIM_MM)
     invert(inverse)
     return inverse
 
@@ -95,7 +96,7 @@ def test_columns_equal_their_twin(k):
     centres, radii, motions = make_fingers(k, k)
     columns, bent = np.empty((4 * k + N_WHOLE, 2, 177)), np.empty((2, 177))
     inverse = invert_coupling(centres, radii)
-    build_columns(POINTS, WINDOW, centres, radii, motions, inverse, columns, bent)
+    build_columns(POINTS, WINDOW, centres, radii, motions, RIM_MM, inverse, columns, bent)
     columns = columns.transpose(2, 1, 0)
     expected = reference.columns(PAPER_GEL.points_mm, centres, radii)
     np.testing.assert_allclose(columns[:, :, : 3 * k], expected, atol=1e-9)
@@ -118,7 +119,7 @@ def test_slopes_equal_their_twin(k):
     centres, radii, motions = make_fingers(k, 20 + k)
     columns = np.empty((3 * k, 2, 177))
     inverse = invert_coupling(centres, radii)
-    build_slopes(POINTS, WINDOW, centres, radii, motions, inverse, columns)
+    build_slopes(POINTS, WINDOW, centres, radii, motions, RIM_MM, inverse, columns)
     expected = reference.slopes(PAPER_GEL.points_mm, centres, radii, motions)
     np.testing.assert_allclose(columns.transpose(2, 1, 0), expected, atol=1e-9)
 

@@ -5,12 +5,12 @@ import math
 
 import numpy as np
 
-NU, CLAMP = 0.49, 31.0
+NU, RIM = 0.49, 31.0
 HEIGHT, VIEW, NEAR, STEP = 20.0, 100.0, 9.0, 0.8
 
 
 def window(x, y):
-    return max(1 - (x * x + y * y) / CLAMP**2, 1e-3) ** 0.375
+    return max(1 - (x * x + y * y) / RIM**2, 1e-3) ** 0.375
 
 
 def respond(x, y, cx, cy, a):

@@ -37,7 +37,7 @@ class FingerConfig:
 
     Attributes:
         radius_mm: initial radius of a fingertip's contact patch.
-        reach_mm: fingers are searched for no further than this from the gel's centre.
+        rim_width_mm: fingers are searched for no nearer to the rim than this.
         spacing_mm: least distance of two fingertips.
         fresh_mm: a new finger is searched for no nearer to a known one than this, because the known
             one may have been fitted to the middle of both.
@@ -66,7 +66,7 @@ class FingerConfig:
     """
 
     radius_mm: float = 6.5
-    reach_mm: float = 26.5
+    rim_width_mm: float = 4.5
     spacing_mm: float = 8.5
     fresh_mm: float = 5.0
     most: int = MOST
@@ -265,7 +265,7 @@ class FingerTracker:
         self.state = np.zeros(1, _lay_out_state(gel.n_markers))
         self._slice, self._motion = self.state["slice"], self.state["motion"]
         middle_mm, sides = find_sides(gel)
-        sites = place_square(SITE_MM, min(self.config.reach_mm, gel.radius_mm))
+        sites = place_square(SITE_MM, min(gel.rim_mm - self.config.rim_width_mm, gel.radius_mm))
         sites = sites[((sites - middle_mm) @ sides[:, :2].T <= sides[:, 2]).all(axis=1)]
         is_between = (sites % (2.0 * SITE_MM)).any(axis=1)
         self.gel = np.zeros(1, _lay_out_gel(gel.n_markers, len(sites)))
@@ -273,6 +273,7 @@ class FingerTracker:
         self.gel["n_coarse"] = np.count_nonzero(~is_between)
         self.gel["middle"], self.gel["sides"] = middle_mm, sides
         self.gel["inner_mm"] = sides[:, 2].min()
+        self.gel["rim_mm"] = gel.rim_mm
         self._built: Floats = np.full(gel.points_mm.shape, np.inf)
         self._rest_px: NDArray[np.float32] | None = None
         self.reset()
@@ -311,13 +312,14 @@ class FingerTracker:
         self._rest_px = rest_px
         points_mm = rig.to_mm(rest_px)
         gel["points"] = points_mm.T
-        gel["window"] = [rim_window(float(r2)) for r2 in (points_mm**2).sum(axis=1)]
+        rim_mm = float(gel["rim_mm"])
+        gel["window"] = [rim_window(float(r2), rim_mm) for r2 in (points_mm**2).sum(axis=1)]
         if np.abs(points_mm - self._built).max() < 0.4:
             return
         self._built = points_mm
         count = len(gel["sites"])
         atoms = np.empty((len(points_mm) * 2, count * 3))
-        fill_responses(points_mm, gel["sites"], self.config.radius_mm, atoms)
+        fill_responses(points_mm, gel["sites"], self.config.radius_mm, rim_mm, atoms)
         gel["atoms"] = atoms
         rows = atoms.reshape(-1, count, 3)
         gel["inverse"] = np.linalg.inv(
@@ -392,6 +394,7 @@ def _lay_out_gel(n: int, n_sites: int) -> np.dtype[np.void]:
       the gel.
     - ``middle``, ``sides``, ``inner_mm``: where fingers can be, see ``find_sides``; nearer to the
       middle than ``inner_mm`` they can be anywhere.
+    - ``rim_mm``: where the gel is clamped.
     - ``atoms``, ``inverse``: see ``fill_responses`` and ``measure_gains``. ``atoms`` are float32,
       half as much to read for each slice.
     """
@@ -405,6 +408,7 @@ def _lay_out_gel(n: int, n_sites: int) -> np.dtype[np.void]:
             ("middle", "f8", 2),
             ("sides", "f8", (N_SIDES, 3)),
             ("inner_mm", "f8"),
+            ("rim_mm", "f8"),
             ("inverse", "f8", (n_sites, 3, 3)),
             ("atoms", "f4", (2 * n, 3 * n_sites)),
         ],

@@ -228,6 +228,8 @@ def simulate_recipe(recipe: Recipe, gel: Gel = PAPER_GEL, rig: KnownRig | None =
     person, config = meet_person(1000 * recipe.seed + recipe.user + apart)
     config = config.show(gel) if rig is None else rig.config
     config = replace(config, gel=replace(config.gel, elasticity=recipe.gel))
+    size = config.gel.layout.rim_mm / PAPER_GEL.rim_mm
+    person = replace(person, reach_mm=size * person.reach_mm)
     rng = np.random.default_rng((recipe.seed, recipe.user + apart, kind))
     rest_us = LONG_REST_US if recipe.like and kind is KINDS[0] else REST_US
     script = draw_script(recipe.name, kind, recipe.duration_us, person, rng, rest_us)

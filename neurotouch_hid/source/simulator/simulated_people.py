@@ -27,7 +27,7 @@ from neurotouch_hid.source.simulator.strokes import (
 
 PEAK_SPEED = 1.875  # of a minimum-jerk motion, times its mean speed
 TOP_SPEED_MM_S = 210.0  # [NT, "Dataset"]
-REACH_MM = 22.0  # no gesture is made on the rim [NT, figure of the contact points]
+REACH_MM = 22.0  # no gesture is made on the paper's rim [NT, figure of the contact points]
 TWO_FINGER_PUSH = 0.07  # share of pushes with two fingers
 MOST_TURN_RAD = 0.9  # how far a wrist turns with its fingers on something
 THREE_FINGERS = 0.3  # share of the other gestures with three
@@ -54,6 +54,7 @@ class SimulatedPerson:
         radius_mm: of the fingertips' contact patches.
         press_mm: how deep the fingers press.
         haste: speed relative to others.
+        reach_mm: no gesture is made farther from the middle of the gel.
         bias_mm: where the hand rests, (x, y); most are right-handed and rest right of the middle.
     """
 
@@ -64,6 +65,7 @@ class SimulatedPerson:
     radius_mm: float = 6.5
     press_mm: float = 1.5
     haste: float = 1.0
+    reach_mm: float = REACH_MM
     bias_mm: tuple[float, float] = (1.5, 0.0)
 
 
@@ -121,7 +123,7 @@ def draw_stroke(
         float(rng.normal(person.bias_mm[1], 7.0)),
     )
     if kind == GestureKind.PUSH:
-        stroke = _draw_push(size_mm, middle, timing, rng)
+        stroke = _draw_push(size_mm, middle, timing, rng, person.reach_mm)
     else:
         stroke = _draw_hand(kind, size_mm, middle, timing, rng, person)
     strengths = rng.permutation([1.0, person.weakest, rng.uniform(person.weakest, 1.0)])
@@ -147,14 +149,18 @@ def _length_us(size_mm: float, person: SimulatedPerson, rng: np.random.Generator
 
 
 def _draw_push(
-    size_mm: float, at_mm: tuple[float, float], timing: StrokeTiming, rng: np.random.Generator
+    size_mm: float,
+    at_mm: tuple[float, float],
+    timing: StrokeTiming,
+    rng: np.random.Generator,
+    reach_mm: float,
 ) -> Stroke:
     direction = rng.uniform(-math.pi, math.pi)
     way = np.array([math.cos(direction), math.sin(direction)])
     at = _keep_inside(np.array(at_mm), 18.0)
     # A long push starts on the near side and ends before the rim.
-    end = _keep_inside(at + size_mm * way, REACH_MM)
-    at = _keep_inside(end - size_mm * way, REACH_MM)
+    end = _keep_inside(at + size_mm * way, reach_mm)
+    at = _keep_inside(end - size_mm * way, reach_mm)
     stroke = push(direction, size_mm, (float(at[0]), float(at[1])), timing)
     if rng.random() < TWO_FINGER_PUSH:
         side = 14.0 * np.array([-way[1], way[0]])
@@ -185,7 +191,7 @@ def _draw_hand(
         spread = max(spread, size_mm / MOST_TURN_RAD)
     spread = min(spread, 18.0)
     widest = spread + size_mm if kind == GestureKind.ZOOM else spread
-    middle = _keep_inside(np.array(middle_mm), max(REACH_MM - widest, 0.0))
+    middle = _keep_inside(np.array(middle_mm), max(person.reach_mm - widest, 0.0))
     hand = Fingertips(
         (float(middle[0]), float(middle[1])), n_fingers, spread, rng.uniform(-math.pi, math.pi)
     )

@@ -11,8 +11,7 @@ from neurotouch_hid.process.kernel_cache import kernel
 Floats = NDArray[np.float64]
 
 POISSON_RATIO = 0.49  # silicone is nearly incompressible
-VIEW_MM = 100.0  # from the lens to the gel: what sinks grows
-CLAMP_MM = 31.0  # radius at which the rim clamps the gel, just outside the last markers
+VIEW_MM = 100.0  # lens to gel: what sinks grows; the true length fits no better [notebook]
 
 N_ROWS = 7
 XX, XY, YY, TURN_X, TURN_Y, RATIO, ARC = range(N_ROWS)
@@ -21,15 +20,15 @@ most 1, and its arc sine."""
 
 
 @kernel
-def rim_window(r2: float) -> float:
+def rim_window(r2: float, rim_mm: float) -> float:
     """Returns how freely the gel moves at squared distance ``r2`` from its centre, 0..1."""
-    root = math.sqrt(math.sqrt(max(1.0 - r2 / (CLAMP_MM * CLAMP_MM), 1e-3)))
+    root = math.sqrt(math.sqrt(max(1.0 - r2 / (rim_mm * rim_mm), 1e-3)))
     return root * math.sqrt(root)
 
 
 @kernel
 def respond(
-    x: float, y: float, window: float, cx: float, cy: float, a: float
+    x: float, y: float, window: float, cx: float, cy: float, a: float, rim_mm: float
 ) -> tuple[float, float, float, float, float]:
     """Returns the response of the gel at (x, y) to one sticking patch of radius ``a`` at (cx, cy).
 
@@ -43,6 +42,7 @@ def respond(
         cx: of the patch's centre, mm.
         cy: of the patch's centre, mm.
         a: its radius, mm.
+        rim_mm: where the gel is clamped.
 
     Returns:
         xx, xy, yy of the drag (mm per mm), and x, y of a clockwise turn by 1 rad (mm).
@@ -55,7 +55,7 @@ def respond(
     arc = math.asin(ratio)
     b = ratio * math.sqrt(1.0 - ratio * ratio)
     ex, ey = cx + ratio * dx, cy + ratio * dy
-    gain = 2.0 / math.pi * window / rim_window(ex * ex + ey * ey)
+    gain = 2.0 / math.pi * window / rim_window(ex * ex + ey * ey, rim_mm)
     along = gain * arc
     shear = gain * POISSON_RATIO / (2.0 - POISSON_RATIO) * b / r2
     spin = gain * (arc - b)
@@ -65,7 +65,14 @@ def respond(
 
 @kernel(error_model="numpy")
 def respond_along(
-    x: Floats, y: Floats, window: Floats, cx: float, cy: float, a: float, answer: Floats
+    x: Floats,
+    y: Floats,
+    window: Floats,
+    cx: float,
+    cy: float,
+    a: float,
+    rim_mm: float,
+    answer: Floats,
 ) -> None:
     """Writes ``respond`` for many points.
 
@@ -78,6 +85,7 @@ def respond_along(
         cx: of the patch's centre, mm.
         cy: of the patch's centre, mm.
         a: its radius, mm.
+        rim_mm: where the gel is clamped.
         answer: (N_ROWS, n) float64, written, row by row.
     """
     n = len(x)
@@ -93,7 +101,7 @@ def respond_along(
         r2 = dx * dx + dy * dy
         b = ratio * math.sqrt(1.0 - ratio * ratio)
         ex, ey = cx + ratio * dx, cy + ratio * dy
-        gain = 2.0 / math.pi * window[i] / rim_window(ex * ex + ey * ey)
+        gain = 2.0 / math.pi * window[i] / rim_window(ex * ex + ey * ey, rim_mm)
         along = gain * arc
         shear = gain * POISSON_RATIO / (2.0 - POISSON_RATIO) * b / r2
         spin = gain * (arc - b)
@@ -107,12 +115,13 @@ def respond_along(
 
 
 @kernel
-def build_compliance(centres: Floats, radii: Floats) -> Floats:
+def build_compliance(centres: Floats, radii: Floats, rim_mm: float) -> Floats:
     """Returns the motions of all patches per unit of load on each patch.
 
     Args:
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.
+        rim_mm: where the gel is clamped.
 
     Returns:
         (3 k, 3 k) float64; rows and columns are drag x, drag y and turn of each patch.
@@ -126,8 +135,9 @@ def build_compliance(centres: Floats, radii: Floats) -> Floats:
                 ox = arm if s == 1 else (-arm if s == 2 else 0.0)
                 oy = arm if s == 3 else (-arm if s == 4 else 0.0)
                 x, y = centres[i, 0] + ox, centres[i, 1] + oy
+                window = rim_window(x * x + y * y, rim_mm)
                 xx, xy, yy, tx, ty = respond(
-                    x, y, rim_window(x * x + y * y), centres[j, 0], centres[j, 1], radii[j]
+                    x, y, window, centres[j, 0], centres[j, 1], radii[j], rim_mm
                 )
                 matrix[3 * i, 3 * j] += xx / 5
                 matrix[3 * i, 3 * j + 1] += xy / 5
@@ -143,22 +153,24 @@ def build_compliance(centres: Floats, radii: Floats) -> Floats:
 
 
 @kernel
-def fill_responses(points: Floats, sites: Floats, radius: float, atoms: Floats) -> None:
+def fill_responses(
+    points: Floats, sites: Floats, radius: float, rim_mm: float, atoms: Floats
+) -> None:
     """Writes the responses of all markers to a patch at each site.
 
     Args:
         points: (n, 2) float64 mm, markers at rest.
         sites: (s, 2) float64 mm.
         radius: of the patches, mm.
+        rim_mm: where the gel is clamped.
         atoms: (2 n, 3 s) float64, written: drag x, drag y, turn of each site. Rows are markers, so
             that sums over markers add whole rows, which is four times as fast.
     """
     for s in range(len(sites)):
         for i in range(len(points)):
             x, y = points[i, 0], points[i, 1]
-            xx, xy, yy, tx, ty = respond(
-                x, y, rim_window(x * x + y * y), sites[s, 0], sites[s, 1], radius
-            )
+            window = rim_window(x * x + y * y, rim_mm)
+            xx, xy, yy, tx, ty = respond(x, y, window, sites[s, 0], sites[s, 1], radius, rim_mm)
             atoms[2 * i, 3 * s], atoms[2 * i + 1, 3 * s] = xx, xy
             atoms[2 * i, 3 * s + 1], atoms[2 * i + 1, 3 * s + 1] = xy, yy
             atoms[2 * i, 3 * s + 2], atoms[2 * i + 1, 3 * s + 2] = tx, ty

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.kernels.field import (
-    CLAMP_MM,
     N_ROWS,
     RATIO,
     TURN_X,
@@ -28,7 +27,7 @@ GRADIENT_MM = 0.8  # step of finite differences; it blurs the patch's edge, as t
 DRAG_MM = 20.0  # prior width of a drag, hardly a limit
 TURN_RAD = 0.4  # prior width of a finger's turn about its centre
 PRESS_MM = 1.5  # prior width of a press
-HEIGHT_MM = 20.0  # height of the gel under a finger; gel that is pressed down flows aside
+HEIGHT_MM = 20.0  # of gel that flows aside under a finger; a true one fits no better [notebook]
 OFFSET_MM = 0.2  # prior width of a shift of the whole gel, by a knock at the table
 SWAY_RAD = 0.01  # prior width of a turn of the whole gel under the camera
 SHEAR_SHARE = 0.25  # prior width of the shear of the whole gel, in largest motions ...
@@ -38,7 +37,7 @@ N_WHOLE = 5  # unknowns of the whole gel: shift (x, y), turn, shear (x, y)
 RADIUS_MM = 0.8  # prior width of the radius of a contact patch
 LEAST_RADIUS_MM, MOST_RADIUS_MM = 4.5, 9.0
 STEP_MM = 2.0  # longest step of a centre in one iteration
-REACH_MM = 27.0  # no finger's centre is farther out
+RIM_WIDTH_MM = 4.0  # no finger's centre is nearer to the rim
 NEAR_MM = 9.0  # farther from a patch's edge, a shift of the patch changes little
 
 
@@ -110,13 +109,13 @@ def invert(matrix: Floats) -> None:
 
 
 @kernel(inline="always")
-def _shear(x: float, y: float) -> float:
+def _shear(x: float, y: float, rim_mm: float) -> float:
     """Returns how far (x, y) goes where the middle of the gel goes 1, its rim held.
 
     A gel that is tall, or soft below, follows a finger as a whole. The closed form, of a half
     space, knows no height.
     """
-    return max(1.0 - (x * x + y * y) / (CLAMP_MM * CLAMP_MM), 0.0)
+    return max(1.0 - (x * x + y * y) / (rim_mm * rim_mm), 0.0)
 
 
 @kernel(error_model="numpy", inline="always")
@@ -126,6 +125,7 @@ def build_columns(
     centres: Floats,
     radii: Floats,
     motions: Floats,
+    rim_mm: float,
     inverse: Floats,
     columns: Floats,
     bent: Floats,
@@ -141,6 +141,7 @@ def build_columns(
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.
         motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
+        rim_mm: where the gel is clamped.
         inverse: (3 k, 3 k) float64, of ``build_compliance``.
         columns: (4 k + 5 or more, 2, n) float64, the first 4 k + 5 are written: motions, presses,
             offset (x, y, turn) and shear (x, y) of the whole gel. Markers come last, so that a
@@ -157,12 +158,12 @@ def build_columns(
         columns[4 * k, 0, i], columns[4 * k, 1, i] = 1.0, 0.0
         columns[4 * k + 1, 0, i], columns[4 * k + 1, 1, i] = 0.0, 1.0
         columns[4 * k + 2, 0, i], columns[4 * k + 2, 1, i] = -y[i], x[i]
-        free = _shear(x[i], y[i])
+        free = _shear(x[i], y[i], rim_mm)
         columns[4 * k + 3, 0, i], columns[4 * k + 3, 1, i] = free, 0.0
         columns[4 * k + 4, 0, i], columns[4 * k + 4, 1, i] = 0.0, free
     for j in range(k):
         cx, cy, a = centres[j, 0], centres[j, 1], radii[j]
-        respond_along(x, y, window, cx, cy, a, answer)
+        respond_along(x, y, window, cx, cy, a, rim_mm, answer)
         for i in range(n):
             alone[3 * j, 0, i], alone[3 * j, 1, i] = answer[XX, i], answer[XY, i]
             alone[3 * j + 1, 0, i], alone[3 * j + 1, 1, i] = answer[XY, i], answer[YY, i]
@@ -209,6 +210,7 @@ def build_slopes(
     centres: Floats,
     radii: Floats,
     motions: Floats,
+    rim_mm: float,
     inverse: Floats,
     columns: Floats,
 ) -> None:
@@ -220,6 +222,7 @@ def build_slopes(
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.
         motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
+        rim_mm: where the gel is clamped.
         inverse: (3 k, 3 k) float64, of ``build_compliance``.
         columns: (3 k, 2, n) float64, written: x, y and radius of each finger.
     """
@@ -249,7 +252,7 @@ def build_slopes(
             column = columns[3 * j + p]
             for answer, step in ((more, GRADIENT_MM), (less, -GRADIENT_MM)):
                 sx, sy, sa = step * (p == 0), step * (p == 1), step * (p == 2)
-                respond_along(xs, ys, free, cx + sx, cy + sy, a + sa, answer)
+                respond_along(xs, ys, free, cx + sx, cy + sy, a + sa, rim_mm, answer)
             for i in range(m):
                 xx, xy = more[XX, i] - less[XX, i], more[XY, i] - less[XY, i]
                 yy = more[YY, i] - less[YY, i]
@@ -323,7 +326,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
     """
     moved, weight = fingers.moved[:], fingers.weight[:]
     noise_mm, model_error = fingers.noise_mm, rules.model_error
-    n, k, window = len(weight), fit.count, gel.window[:]
+    n, k, window, rim_mm = len(weight), fit.count, gel.window[:], gel.rim_mm
     centres, radii, motions = fit.centres[:k], fit.radii[:k], fit.motions[:k]
     known = np.empty((k, 2))
     for j in range(k):
@@ -333,12 +336,12 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
     for step in range(n_steps + 1):
         is_last = step == n_steps
         m = 4 * k + N_WHOLE if is_last else 7 * k + N_WHOLE
-        inverse = build_compliance(centres, radii)
+        inverse = build_compliance(centres, radii, rim_mm)
         invert(inverse)
-        build_columns(gel.points, window, centres, radii, motions, inverse, columns, bent)
+        build_columns(gel.points, window, centres, radii, motions, rim_mm, inverse, columns, bent)
         if not is_last:
             slopes = columns[4 * k + N_WHOLE :]
-            build_slopes(gel.points, window, centres, radii, motions, inverse, slopes)
+            build_slopes(gel.points, window, centres, radii, motions, rim_mm, inverse, slopes)
         for i in range(n):
             target[0, i], target[1, i] = moved[i, 0] - bent[0, i], moved[i, 1] - bent[1, i]
         normal, right = np.empty((m, m)), np.empty((m, 1))
@@ -385,9 +388,9 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
             for p in range(2):
                 centres[j, p] += min(max(right[at + p, 0], -STEP_MM), STEP_MM)
             far = math.hypot(centres[j, 0], centres[j, 1])
-            if far > REACH_MM:
-                centres[j, 0] *= REACH_MM / far
-                centres[j, 1] *= REACH_MM / far
+            if far > rim_mm - RIM_WIDTH_MM:
+                centres[j, 0] *= (rim_mm - RIM_WIDTH_MM) / far
+                centres[j, 1] *= (rim_mm - RIM_WIDTH_MM) / far
             keep_inside(gel, centres[j])
             radius = radii[j] + min(max(right[at + 2, 0], -1.0), 1.0)
             radii[j] = min(max(radius, LEAST_RADIUS_MM), MOST_RADIUS_MM)
@@ -403,7 +406,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
         fit.cost += weight[i] * y * y
     fit.largest_mm = 0.0
     for j in range(k):
-        free = _shear(centres[j, 0], centres[j, 1])
+        free = _shear(centres[j, 0], centres[j, 1], rim_mm)
         fit.whole[j, DRAG_X] = motions[j, DRAG_X] + free * shear_x_mm
         fit.whole[j, DRAG_Y] = motions[j, DRAG_Y] + free * shear_y_mm
         fit.whole[j, TURN] = motions[j, TURN]

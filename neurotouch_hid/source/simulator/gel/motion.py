@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import Gel
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import GestureKind, Truth
 from neurotouch_hid.source.simulator.config import GelConfig
 from neurotouch_hid.source.simulator.field_table import FieldTable
@@ -203,19 +203,25 @@ class _Grip:
         self._centres = np.array([finger.contact_mm for finger in fingers])
         self._radii = np.array([finger.radius_mm for finger in fingers])
         self._mobility = _mobility(grasp, points_mm, gel.radius_mm)
+        self._size = gel.rim_mm / PAPER_GEL.rim_mm
         self._late = np.column_stack([self._points, np.zeros(len(self._points))])
         self._rest_px = camera.project(self._late[len(points_mm) :])
 
     def move(self, t_us: int, gel: GelConfig) -> NDArray[np.float64]:
         """Returns markers, then probes, (n, 3) mm, one knot after the last call."""
         state = self.grasp.move(t_us)
-        motions, depths = state[:, :3].copy(), state[:, 3].copy()
-        given = (self._points, self._centres, self._radii, motions, depths)
+        motions, depths = state[:, :3].copy(), state[:, 3] / self._size
+        motions[:, :2] /= self._size
+        points, centres, radii = (
+            lengths / self._size for lengths in (self._points, self._centres, self._radii)
+        )
+        given = (points, centres, radii, motions, depths)
         if gel.elasticity == "solid":
             moved = solid.deform(*given)
         else:
             moved = np.empty_like(self._late)
             kernels.move_points(*given, self._neighbours, self._mobility, moved)
+        moved *= self._size  # elasticity knows no unit of length
         self._late += (moved - self._late) * (1.0 - math.exp(-KNOT_US / gel.lag_us))
         moved += gel.lag * (self._late - moved)
         return moved
