@@ -120,6 +120,31 @@ def test_a_dot_that_goes_alone_is_noise_but_a_finger_moves_several():
     np.testing.assert_allclose(tracks.state["x"], shown[:, 0], atol=0.1)
 
 
+def test_a_speck_beside_a_hidden_marker_does_not_pass_for_it():
+    """A dot at the rim runs together with the border; a faint dot is as small as the speck."""
+    tracks = make_tracks(NEIGHBOURS, TrackerConfig())
+    tracks.rest_px[:] = REST_PX
+    track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
+    rng, area = np.random.default_rng(3), np.full(177, 12)
+    rim = int(np.hypot(*(PAPER_GEL.points_mm - (8.0, -28.0)).T).argmin())
+    faint = int(np.hypot(*PAPER_GEL.points_mm.T).argmin())
+    area[[rim, faint]] = 2
+    begin = np.concatenate([[0], area.cumsum()]).astype(np.int32)
+    for k in range(1, 40):
+        shown = REST_PX + rng.normal(0.0, 0.1, REST_PX.shape)
+        shown[rim] += (0.9, 0.4)
+        frames_alone.follow(16_500 * k, 16_500 * k + 1_500, shown, begin, tracks, TUNING)
+        off_px = np.column_stack([tracks.state["x"], tracks.state["y"]]) - REST_PX
+        assert np.hypot(*off_px[[rim, faint]].T).max() < 0.3
+    finger = np.exp(-((PAPER_GEL.points_mm / 9) ** 2).sum(1))
+    for k in range(1, 6):
+        shown = REST_PX.copy()
+        shown[:, 0] += 1.5 * k * finger
+        t_us = 16_500 * (40 + k)
+        frames_alone.follow(t_us, t_us + 1_500, shown, begin, tracks, TUNING)
+    assert tracks.state["x"][faint] == pytest.approx(shown[faint, 0], abs=0.1)
+
+
 class Shown:
     """Stands in for the search of blobs, which the pixels of this test would only slow down."""
 

@@ -27,6 +27,7 @@ RETURN_SHARE = 0.3  # of the way to where its neighbours say that a hidden marke
 
 LONE_PX = 0.3  # a marker goes no farther from where its neighbours do ...
 LONE_RATIO = 2.0  # ... than this and so many spreads of them
+SPECK_SHARE = 0.3  # of the usual area; a smaller blob is a speck beside a marker that is hidden
 LEAST_SHARE = 3  # of three markers one is seen, or the picture or all tracks are wrong
 NO_BLOB: Final = -1
 
@@ -62,6 +63,16 @@ def _match_free(
 
 
 @kernel
+def _measure_areas(begin: NDArray[np.int32], n: int) -> tuple[NDArray[np.float64], float]:
+    """Returns the area of each blob, (m,) float64 px, and that of one of n markers usually."""
+    m = len(begin) - 1
+    area = np.empty(m, np.float64)
+    for j in range(m):
+        area[j] = begin[j + 1] - begin[j]
+    return area, np.median(np.sort(area)[max(m - n, 0) :])  # specks of noise are smaller
+
+
+@kernel
 def pair_blobs(
     expected_px: NDArray[np.float64],
     points_px: NDArray[np.float64],
@@ -89,11 +100,8 @@ def pair_blobs(
         blob: (n,) int32, written; -1 where none is certain.
         place_px: (n, 2) float64 px, written: the blob, or the place that the neighbours give.
     """
-    n, m = len(expected_px), len(points_px)
-    area = np.empty(m, np.float64)
-    for j in range(m):
-        area[j] = begin[j + 1] - begin[j]
-    usual = np.median(np.sort(area)[max(m - n, 0) :])  # of a marker: specks of noise are smaller
+    n = len(expected_px)
+    area, usual = _measure_areas(begin, n)
     free = area <= MAX_AREA_RATIO * usual  # a larger one contains two markers
     blob[:] = NO_BLOB
     seen, stray = np.zeros(n, np.bool_), np.empty(n, np.bool_)
@@ -168,6 +176,41 @@ def _clip_lone(
         share = (LONE_PX + LONE_RATIO * spread_px[i]) / max(math.hypot(x, y), 1e-9)
         if share < 1.0:
             place_px[i, 0], place_px[i, 1] = near_px[i, 0] + share * x, near_px[i, 1] + share * y
+
+
+@kernel
+def _leave_specks(
+    blob: NDArray[np.int32],
+    begin: NDArray[np.int32],
+    tracks: Tracks,
+    place_px: NDArray[np.float64],
+) -> None:
+    """Moves markers of which only a speck is seen to where their neighbours have gone from rest.
+
+    Where a marker runs together with the bright border of the gel, a speck beside it passes for it,
+    a pixel off, and looks like a finger at the rim. The neighbours tell more while they have hardly
+    left their places at rest; a faint marker stays right then, too.
+
+    Args:
+        blob: (n,) int32, -1 where a marker has none.
+        begin: (m + 1,) int32, where the pixels of each blob begin.
+        tracks: before the frame.
+        place_px: (n, 2) float64 px, updated.
+    """
+    n, rest_px = len(place_px), tracks.rest_px
+    area, usual = _measure_areas(begin, n)
+    whole, n_specks = np.empty(n, np.bool_), 0
+    for i in range(n):
+        whole[i] = blob[i] >= 0 and area[blob[i]] >= SPECK_SHARE * usual
+        n_specks += blob[i] >= 0 and not whole[i]
+    if not n_specks:
+        return
+    near_px, spread_px = np.empty((n, 2)), np.empty(n)
+    expect(place_px, whole, rest_px, tracks.neighbours, near_px, spread_px)
+    for i in range(n):
+        x, y = near_px[i, 0] - rest_px[i, 0], near_px[i, 1] - rest_px[i, 1]
+        if blob[i] >= 0 and not whole[i] and math.hypot(x, y) < STILL_PX:
+            place_px[i, 0], place_px[i, 1] = near_px[i, 0], near_px[i, 1]
 
 
 @kernel
@@ -246,6 +289,7 @@ def follow(
         expected_px, points_px, begin, tracks.rest_px, tracks.neighbours, tuning, blob, place_px
     )
     _clip_lone(expected_px, blob, tracks, place_px)
+    _leave_specks(blob, begin, tracks, place_px)
     n_seen = 0
     for i in range(n):
         n_seen += blob[i] >= 0
