@@ -170,7 +170,7 @@ class Stream:
             return 1e-6 * CALM_REST_US
         length_us = self._slicer.length_us
         left_us = self.end_us + length_us - self._decoder.now_us
-        return 1e-6 * min(left_us - min(AWAKE_US, length_us // 4), MOST_REST_US)
+        return 1e-6 * min(left_us - min(AWAKE_US, length_us // 16), MOST_REST_US)
 
     def _pump(self, rest_until_s: float) -> None:
         try:
