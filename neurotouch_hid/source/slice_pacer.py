@@ -24,7 +24,7 @@ MOVED_US: Final = 150_000
 """Time without activity after which slices are no longer short. Longer, because a slow finger does
 not exceed the noise all the time."""
 DOUBT_US: Final = 500_000
-"""A slice is learned as noise when the pipeline has stayed idle for so long after it. A motion
+"""A slice is learned as noise this time after it, if the pipeline has been idle since. A motion
 begins a tenth of a second and more before the pipeline finds a gesture in it. Learned as noise, it
 would hide all slower motions after it."""
 

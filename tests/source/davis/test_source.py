@@ -21,7 +21,7 @@ from neurotouch_hid.source import PolledSource
 from neurotouch_hid.source.camera_source import RETRY_S, PatientWatch
 from neurotouch_hid.source.davis import Biases, DavisConfig, DavisSource, Roi
 from neurotouch_hid.source.davis.registers import CoarseFine
-from neurotouch_hid.source.davis.stream import AWAKE_US, IDLE_FRAME_S, MAX_FAULTS
+from neurotouch_hid.source.davis.stream import AWAKE_SHARE, AWAKE_US, IDLE_FRAME_S, MAX_FAULTS
 from neurotouch_hid.source.davis.transport import StreamHaltedError
 from neurotouch_hid.source.davis.usb import Usb
 from tests.source.davis.camera import INFO, ScriptedCamera, gone, make_events
@@ -97,6 +97,18 @@ def test_after_a_slice_data_may_wait_until_the_next_one_is_near():
     rest_s = 1e-6 * (8_000 - 4_001 - AWAKE_US)  # from when the slice was complete
     assert begins_s[2] + rest_s <= untils_s[3] <= begins_s[3] + rest_s
     assert untils_s[4] == untils_s[3]  # 5 to 6 ms: no slice
+
+
+def test_data_of_a_short_slice_waits_until_its_end():
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_events(0, 2)])
+    with open_camera(camera, slice_us=1_000) as source:
+        take(source, 1)
+        while len(camera.rests) < 3:
+            time.sleep(0.001)
+    begins_s, untils_s = zip(*camera.rests[:3], strict=True)
+    rest_s = 1e-6 * (2_000 - 1_001 - 1_000 // AWAKE_SHARE)
+    assert begins_s[1] + rest_s <= untils_s[2] <= begins_s[2] + rest_s
 
 
 def test_a_line_that_plays_gets_the_head_of_a_slice_before_its_end():
