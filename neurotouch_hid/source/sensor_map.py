@@ -85,13 +85,18 @@ def find_places(view: View) -> NDArray[np.int32]:
     Returns:
         (height, width) int32.
     """
-    x, y = np.meshgrid(np.arange(view.width_px), np.arange(view.height_px))
-    points = view.to_canonical(np.stack([x.ravel(), y.ravel()], axis=1))
-    columns, rows = np.floor(points + 0.5).astype(np.int64).T
+    x, y = np.arange(float(view.width_px)), np.arange(float(view.height_px))
+    if view.is_straight:  # a row and a column say it all: a camera of 1280x720 must not wait
+        row = view.to_canonical(np.stack([x, np.zeros_like(x)], axis=1))
+        column = view.to_canonical(np.stack([np.zeros_like(y), y], axis=1))
+        across, down = row[:, 0], column[:, 1:]
+    else:
+        points = view.to_canonical(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2))
+        across, down = points.T.reshape(2, view.height_px, view.width_px)
+    columns, rows = (np.floor(at + 0.5).astype(np.int32) for at in (across, down))
     is_shown = (columns >= 0) & (columns < SENSOR_WIDTH_PX)
-    is_shown &= (rows >= 0) & (rows < SENSOR_HEIGHT_PX)
-    places = np.where(is_shown, columns | rows << 16, kernels.NOWHERE)
-    return places.reshape(view.height_px, view.width_px).astype(np.int32)
+    is_shown = is_shown & (rows >= 0) & (rows < SENSOR_HEIGHT_PX)
+    return np.where(is_shown, columns | rows << 16, np.int32(kernels.NOWHERE))
 
 
 def _keep_places(view: View) -> NDArray[np.int32]:
