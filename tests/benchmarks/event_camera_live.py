@@ -1,12 +1,14 @@
 """From the library's packets to the pad, live: share of a core, and what was dropped.
 
-    python -m tests.benchmarks.event_camera_live [MILLION_EVENTS_PER_S] [SECONDS]
+    python -m tests.benchmarks.event_camera_live [MILLION_EVENTS_PER_S] [SECONDS] [PACE] [SLICE_US]
 
 A simulated hand pushes a simulated gel again and again before a camera of 1280x720 without frames.
 Events around the dots are added up to the wanted rate. The program plays them as `run` does, in
-slices that follow the activity; the pad is one in memory. The packets are made before and come when
-they are due; if the program is late, they wait as in the library, and it may throw them away. The
-share is processor time, without that of the player. The library's own decoding is not in it.
+slices that follow the activity, or of SLICE_US; the pad is one in memory. The packets are made
+before and come when they are due; if the program is late, they wait as in the library, and it may
+throw them away. The share is processor time, without that of the player, in a second of the camera.
+On a busy machine a PACE of 0.2 lets the camera run at a fifth of its speed. The library's own
+decoding is not in it.
 """
 
 import sys
@@ -25,10 +27,16 @@ from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, run_pipeline, warm_up
 from neurotouch_hid.source.events.source import EventCameraSource
 from neurotouch_hid.source.opening import LIVE_US
-from neurotouch_hid.source.sensor_map import find_places
 from neurotouch_hid.source.simulator import Simulator, StrokeTiming, push, sequence
 from neurotouch_hid.source.slice_pacer import MOVING_US
-from tests.source.events.fake_library import Camera, Device, Library, magnify, make_packet
+from tests.source.events.fake_library import (
+    Camera,
+    Device,
+    Library,
+    list_places,
+    magnify,
+    make_packet,
+)
 
 PACKET_US = 1_000
 SCENE_US = 800_000
@@ -71,7 +79,7 @@ class Player(Device):
         camera = self.camera
         if self.began_s is None:
             self.began_s = time.monotonic()
-        left_s = self.began_s + 1e-6 * PACKET_US * (self.k + 1) - time.monotonic()
+        left_s = self.began_s + camera.period_s * (self.k + 1) - time.monotonic()
         if left_s > 0.0:
             time.sleep(left_s)
         begun_s = time.thread_time()
@@ -82,8 +90,8 @@ class Player(Device):
             events["t"] += np.uint64(shift_us)
             camera.shifts_us[k] += shift_us
         frames = camera.frames[k] if PACKET_US * self.k < FRAMES_US else []
-        due_s = self.began_s + 1e-6 * PACKET_US * (self.k + 1)
-        n_due = int((time.monotonic() - self.began_s) * 1e6 / PACKET_US)
+        due_s = self.began_s + camera.period_s * (self.k + 1)
+        n_due = int((time.monotonic() - self.began_s) / camera.period_s)
         self.k += 1
         self.n_given += len(events)
         now = time.time()
@@ -98,7 +106,7 @@ class Player(Device):
 
     def clear_backlog(self, until):
         super().clear_backlog(until)
-        n_due = int((time.monotonic() - self.began_s) * 1e6 / PACKET_US)
+        n_due = int((time.monotonic() - self.began_s) / self.camera.period_s)
         while self.k < n_due - until:
             self.n_skipped += len(self.camera.parts[self.k % len(self.camera.parts)])
             self.k += 1
@@ -114,10 +122,11 @@ class PlayedLibrary(Library):
         return camera.device
 
 
-def film(million_per_s):
+def film(million_per_s, pace):
     """A camera, and the packets that it gives in turn."""
     camera = Camera()
-    places = find_places(camera.view)
+    camera.period_s = 1e-6 * PACKET_US / pace
+    places = list_places(camera.view)
     share = np.count_nonzero(places >= 0) / len(np.unique(places[places >= 0]))
     scene = load_push()
     dense = DenseSource(scene, 1e-6 * SCENE_US, 1e6 * million_per_s / share)
@@ -149,14 +158,19 @@ class Watch:
 
 
 def main():
-    million_per_s = float(sys.argv[1]) if len(sys.argv) > 1 else 20.0
-    watch = Watch(float(sys.argv[2]) if len(sys.argv) > 2 else 10.0)
-    camera = film(million_per_s)
+    words = sys.argv[1:]
+    given = dict(zip(("rate", "seconds", "pace", "slice_us"), map(float, words), strict=False))
+    million_per_s, slice_us = given.get("rate", 20.0), int(given.get("slice_us", 0))
+    watch = Watch(given.get("seconds", 10.0))
+    camera = film(million_per_s, given.get("pace", 1.0))
     warm_up(Pipeline.build(load_profile("spacecraft"), GestureConfig()))
     pipeline = Pipeline.build(load_profile("spacecraft"), GestureConfig(), frame_thread=True)
     pad, library = MemoryDevice(), PlayedLibrary(camera)
     with EventCameraSource(
-        "", slice_us=LIVE_US, part_us=MOVING_US, library=library, plugged=library.list_plugged
+        slice_us=slice_us or LIVE_US,
+        part_us=None if slice_us else MOVING_US,
+        library=library,
+        plugged=library.list_plugged,
     ) as source:
         watch.device = camera.device
         run_pipeline(source, pipeline, pad, [watch], stop=watch.stop)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
-from neurotouch_hid.source.kernels.view import NOWHERE
 from neurotouch_hid.source.sensor_map import find_places
 from neurotouch_hid.source.view import MIDDLE_PX, View, ViewTable, whole_view
 
@@ -107,7 +106,10 @@ def test_each_sensor_pixel_has_the_canonical_pixel_of_its_middle(rotation_rad, m
     at = view.to_canonical(np.stack([x.ravel(), y.ravel()], axis=1))
     columns, rows = np.floor(at + 0.5).astype(int).T
     inside = (columns >= 0) & (columns < SENSOR_WIDTH_PX) & (rows >= 0) & (rows < SENSOR_HEIGHT_PX)
-    places = find_places(view)
-    assert places.dtype == np.int32
+    tables = find_places(view)
+    assert [table.dtype for table in tables] == [np.int16, np.int16]
+    found = [np.broadcast_to(table, (480, 640)).ravel() for table in tables]
     assert 0.2 < inside.mean() < 0.98
-    assert np.array_equal(places.ravel(), np.where(inside, columns | rows << 16, NOWHERE))
+    assert np.array_equal((found[0] >= 0) & (found[1] >= 0), inside)
+    assert np.array_equal(found[0][inside], columns[inside])
+    assert np.array_equal(found[1][inside], rows[inside])

@@ -41,10 +41,16 @@ def make_events(times, x=0, y=0, on=True):
     return events
 
 
+def list_places(view):
+    """The canonical pixel of each pixel of the sensor: x + 65,536 y, or -1."""
+    columns, rows = (places.astype(np.int32) for places in find_places(view))
+    return np.where((columns < 0) | (rows < 0), -1, columns | rows << 16)
+
+
 @cache
 def sort_places(view):
     """The canonical pixels of a view in order, and each one's pixel of the sensor."""
-    places = find_places(view).ravel()
+    places = list_places(view).ravel()
     order = np.argsort(places, kind="stable")
     return places[order], order
 

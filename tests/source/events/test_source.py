@@ -14,10 +14,10 @@ from neurotouch_hid.source.events.config import EventsConfig
 from neurotouch_hid.source.events.models import MODELS, find_model
 from neurotouch_hid.source.events.source import EventCameraSource
 from neurotouch_hid.source.kernels.view import map_events
-from neurotouch_hid.source.sensor_map import find_places
 from tests.source.events.fake_library import (
     Camera,
     Library,
+    list_places,
     magnify,
     make_events,
 )
@@ -90,7 +90,7 @@ def test_slices_come_in_parts_while_the_gel_moves():
 
 def test_a_canonical_pixel_fires_once_for_all_the_pixels_that_it_stands_for():
     camera = Camera()
-    places = find_places(camera.view)
+    places = list_places(camera.view)
     ys, xs = np.nonzero(places == (100 | 120 << 16))
     n = len(xs)
     assert n > 8
@@ -327,7 +327,7 @@ def test_a_finer_sensor_gives_the_pipeline_the_events_of_a_davis(title, push):
         camera.show(packet.t_end_us, events)
     shown = np.concatenate([packet.events for packet in packets])
     shown = shown[shown["t"] < packets[-1].t_begin_us]
-    inside = np.isin(shown["x"] | shown["y"].astype(np.int32) << 16, find_places(camera.view))
+    inside = np.isin(shown["x"] | shown["y"].astype(np.int32) << 16, list_places(camera.view))
     shown = shown[inside]
     with open_source(camera, max_delay_us=60_000_000) as source:
         got = take(source, lambda got: len(got) == len(packets) - 1)
