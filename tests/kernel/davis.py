@@ -73,7 +73,7 @@ def load_kernels():
     from neurotouch_hid.source.view import whole_view
     from tests.source.davis.cable import Cable
 
-    load_kernels_of_events(whole_view(346, 260))
+    load_kernels_of_events(whole_view(346, 260), has_frames=True)
     camera = emulate(make_scene(4))
     deadline = time.monotonic() + PATIENCE_S
     with DavisSource(cameras=Cable(camera)) as source:

@@ -143,9 +143,12 @@ class PacketReader:
             self._gap = 0
 
 
-def load_kernels(view: View) -> None:
+def load_kernels(view: View, *, has_frames: bool) -> None:
     """Compiles or loads what the first packet of a camera needs, so that none waits for it."""
-    SensorMap(view).map_events(_rename(_ANY_EVENT))
+    sensor_map = SensorMap(view)
+    sensor_map.map_events(_rename(_ANY_EVENT))
+    if has_frames:
+        sensor_map.map_frames([Frame(np.zeros((view.height_px, view.width_px), np.uint8), 0, 0)])
 
 
 def make_frame(picture: Picture, shift_us: int) -> Frame:

@@ -20,7 +20,7 @@ from neurotouch_hid.source.events.enumeration import (
 )
 from neurotouch_hid.source.events.gel_place import find_region, place_gel
 from neurotouch_hid.source.events.library import Device, Library, Status, load_library
-from neurotouch_hid.source.events.models import make_configuration, make_ring
+from neurotouch_hid.source.events.models import DAVIS, make_configuration, make_ring
 from neurotouch_hid.source.events.plugged import list_plugged
 from neurotouch_hid.source.events.reader import ClockJumpError, PacketReader, load_kernels
 from neurotouch_hid.source.slice_pacer import SlicePacer
@@ -190,7 +190,7 @@ class EventCameraSource(CameraSource):
         configuration = make_configuration(
             self._library, info.model, self._config, find_region(view)
         )
-        load_kernels(view)  # before the camera sends anything
+        load_kernels(view, has_frames=info.model == DAVIS)  # before the camera sends anything
         try:
             self._device = self._library.open(
                 configuration=configuration,

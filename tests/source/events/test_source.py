@@ -13,7 +13,7 @@ from neurotouch_hid.source.events import library as library_module
 from neurotouch_hid.source.events.config import EventsConfig
 from neurotouch_hid.source.events.models import MODELS, find_model
 from neurotouch_hid.source.events.source import EventCameraSource
-from neurotouch_hid.source.kernels.view import map_events
+from neurotouch_hid.source.kernels.view import interpolate, map_events
 from tests.source.events.fake_library import (
     Camera,
     Library,
@@ -56,15 +56,14 @@ def test_events_come_in_slices_from_the_first_time_of_the_camera():
     assert camera.device is None
 
 
-def test_the_first_packet_waits_for_no_kernel(monkeypatch):
+@pytest.mark.parametrize("title", ["Prophesee EVK4", "iniVation DAVIS 346"])
+def test_the_first_packet_waits_for_no_kernel(title, monkeypatch):
     """A camera of 1280x720 sends 20,000 events in each ms that a kernel is compiled."""
-    monkeypatch.setattr(map_events, "_found", {})
-    camera = Camera()
-    camera.show(20_000, make_events([0]))
-    with open_source(camera) as source:
-        n_before = map_events.n_variants
-        take(source, lambda got: len(got) == 1)
-    assert map_events.n_variants == n_before == 1
+    needed = [map_events] if title == "Prophesee EVK4" else [map_events, interpolate]
+    for kernel in needed:
+        monkeypatch.setattr(kernel, "_found", {})
+    with open_source(Camera(title)):
+        assert [kernel.n_variants for kernel in needed] == [1] * len(needed)
 
 
 def test_slices_come_in_parts_while_the_gel_moves():
