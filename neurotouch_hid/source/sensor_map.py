@@ -37,10 +37,12 @@ class SensorMap:
         self.view = view
         self.last_us, self.n_back = begin_us, 0
         self._keeps_size = keeps_size
-        self._places = _keep_places(view) if keeps_size else find_places(view)
-        shape = self._places.shape if keeps_size else (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
+        self._columns, self._rows = _keep_places(view) if keeps_size else find_places(view)
+        shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
+        if keeps_size:
+            shape = (view.height_px, view.width_px)
         self._sums = np.zeros((*shape, 2), np.int16)
-        self._sums[..., 1] = _count_pixels(self._places, shape)
+        self._sums[..., 1] = _count_pixels(self._columns, self._rows, shape)
         self._out = np.empty(_BLOCK, EVENT_DTYPE)
         self._table: ViewTable | None = None
 
@@ -57,7 +59,8 @@ class SensorMap:
                 events[begin : begin + _BLOCK],
                 shift_us,
                 self.last_us,
-                self._places,
+                self._columns,
+                self._rows,
                 self._sums,
                 self._out,
             )
@@ -79,33 +82,42 @@ class SensorMap:
         return mapped
 
 
-def find_places(view: View) -> NDArray[np.int32]:
+def find_places(view: View) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
     """Returns the canonical pixel of each pixel of a sensor, as ``kernels.map_events`` takes it.
 
     Returns:
-        (height, width) int32.
+        Columns, (height, width) or (1, width), and rows, (height, width) or (height, 1), int16.
     """
-    x, y = np.meshgrid(np.arange(view.width_px), np.arange(view.height_px))
-    points = view.to_canonical(np.stack([x.ravel(), y.ravel()], axis=1))
-    columns, rows = np.floor(points + 0.5).astype(np.int64).T
-    is_shown = (columns >= 0) & (columns < SENSOR_WIDTH_PX)
-    is_shown &= (rows >= 0) & (rows < SENSOR_HEIGHT_PX)
-    places = np.where(is_shown, columns | rows << 16, kernels.NOWHERE)
-    return places.reshape(view.height_px, view.width_px).astype(np.int32)
+    x, y = np.arange(float(view.width_px)), np.arange(float(view.height_px))
+    if view.is_straight:  # a row and a column say it all
+        row = view.to_canonical(np.stack([x, np.zeros_like(x)], axis=1))
+        column = view.to_canonical(np.stack([np.zeros_like(y), y], axis=1))
+        across, down = row[None, :, 0], column[:, 1:]
+    else:
+        points = view.to_canonical(np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2))
+        across, down = points.T.reshape(2, view.height_px, view.width_px)
+    return _round_to(across, SENSOR_WIDTH_PX), _round_to(down, SENSOR_HEIGHT_PX)
 
 
-def _keep_places(view: View) -> NDArray[np.int32]:
-    """Returns the places of pixels that stay where they are, (height, width)."""
-    y, x = np.mgrid[: view.height_px, : view.width_px]
-    places: NDArray[np.int32] = (x | y << 16).astype(np.int32)
-    return places
+def _round_to(at: NDArray[np.float64], size: int) -> NDArray[np.int16]:
+    """Returns the nearest of ``size`` pixels, or ``NOWHERE``, of each place."""
+    nearest = np.floor(at + 0.5)
+    is_shown = (nearest >= 0) & (nearest < size)
+    return np.where(is_shown, nearest, kernels.NOWHERE).astype(np.int16)
 
 
-def _count_pixels(places: NDArray[np.int32], shape: tuple[int, ...]) -> NDArray[np.int64]:
+def _keep_places(view: View) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
+    """Returns columns and rows of pixels that stay where they are."""
+    columns = np.arange(view.width_px, dtype=np.int16)
+    return columns[None], np.arange(view.height_px, dtype=np.int16)[:, None]
+
+
+def _count_pixels(
+    columns: NDArray[np.int16], rows: NDArray[np.int16], shape: tuple[int, int]
+) -> NDArray[np.int64]:
     """Returns how many pixels of the sensor each pixel of a picture stands for, ``shape``."""
     height, width = shape
-    shown = places[places != kernels.NOWHERE]
-    flat = (shown >> 16) * width + (shown & 0xFFFF)
+    flat = (rows.astype(np.int64) * width + columns)[(columns >= 0) & (rows >= 0)]
     return np.bincount(flat, minlength=width * height).reshape(height, width)
 
 

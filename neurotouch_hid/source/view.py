@@ -44,6 +44,11 @@ class View:
     mirrored: bool = False
     lens: float = 0.0
 
+    @property
+    def is_straight(self) -> bool:
+        """True if a sensor row comes to one canonical row, and a column to one column."""
+        return self.lens == 0.0 and self.rotation_rad == 0.0
+
     def to_canonical(self, points_px: NDArray[np.floating]) -> NDArray[np.float64]:
         """Returns canonical points (n, 2) of sensor points (n, 2), px."""
         straight = self.undistort(points_px)
@@ -149,7 +154,7 @@ class ViewTable:
 def _list_points(view: View) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Returns x and y of all canonical pixels on the sensor; both broadcast to (260, 346)."""
     x, y = np.arange(float(SENSOR_WIDTH_PX)), np.arange(float(SENSOR_HEIGHT_PX))
-    if view.lens == 0.0 and view.rotation_rad == 0.0:  # a row and a column say it all
+    if view.is_straight:  # a row and a column say it all
         row = view.to_sensor(np.stack([x, np.zeros_like(x)], axis=1))
         column = view.to_sensor(np.stack([np.zeros_like(y), y], axis=1))
         return row[:, 0], column[:, 1:]

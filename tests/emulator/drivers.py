@@ -15,6 +15,8 @@ from typing import Any
 import numpy as np
 
 QUIET_S = 0.5
+LATE_US = 60_000_000
+"""The emulated camera is in a hurry: here old slices are as good as new ones."""
 Batch = tuple[list[Any], list[Any]]
 
 
@@ -58,23 +60,34 @@ def dv() -> Iterator[Batch]:
 
 
 def own() -> Iterator[Batch]:
-    """neurotouch_hid."""
+    """The source ``davis:``."""
     from neurotouch_hid.source.davis import DavisSource
 
-    # The emulated camera is in a hurry: here old slices are as good as new ones.
-    with DavisSource(max_delay_us=60_000_000) as source:
+    return poll(DavisSource(max_delay_us=LATE_US))
+
+
+def events() -> Iterator[Batch]:
+    """The source ``events:``, which plays through neuromorphic-drivers."""
+    from neurotouch_hid.source.events.source import EventCameraSource
+
+    return poll(EventCameraSource(max_delay_us=LATE_US))
+
+
+def poll(source: Any) -> Iterator[Batch]:
+    """Everything that a source of ours gives."""
+    with source:
         for packet in source.poll():
             if packet is None:
                 yield [], []
                 continue
-            events = packet.events
+            found = packet.events
             yield (
-                [events["t"], events["x"], events["y"], events["p"]],
+                [found["t"], found["x"], found["y"], found["p"]],
                 [(f.exposure_begin_us, f.exposure_end_us, f.pixels) for f in packet.frames],
             )
 
 
-DRIVERS = {"neuromorphic": neuromorphic, "dv": dv, "own": own}
+DRIVERS = {"neuromorphic": neuromorphic, "dv": dv, "own": own, "events": events}
 
 
 def read(driver: str, n_events: int, n_frames: int, patience_s: float) -> Batch:

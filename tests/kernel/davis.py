@@ -69,8 +69,11 @@ def load_kernels():
     Raises:
         TimeoutError: it does not come to its end.
     """
+    from neurotouch_hid.source.events.reader import load_kernels as load_kernels_of_events
+    from neurotouch_hid.source.view import whole_view
     from tests.source.davis.cable import Cable
 
+    load_kernels_of_events(whole_view(346, 260), has_frames=True)
     camera = emulate(make_scene(4))
     deadline = time.monotonic() + PATIENCE_S
     with DavisSource(cameras=Cable(camera)) as source:

@@ -24,13 +24,20 @@ def test_linux_knows_it(saw):
     assert saw["super"] == [{**OURS, "speed": "5000", "serial": SERIAL}]
 
 
-@pytest.mark.parametrize("driver", ["neuromorphic", "dv", "own"])
+@pytest.mark.parametrize("driver", ["events", "dv", "own"])
 def test_every_driver_sees_what_was_shown(saw, results, driver):
     assert_same(np.load(results / f"camera-{driver}.npz"), make_scene(**SCENE))
 
 
 def test_a_driver_notices_that_it_is_unplugged(saw):
     assert saw["unplugged"] is True
+
+
+def test_events_survives_that_it_is_unplugged(saw):
+    seen = saw["unplugged_events"]
+    assert seen["plays"] is True
+    assert seen["trouble"].startswith("The camera iniVation DAVIS 346 00000346 has failed")
+    assert seen["code"] == 0
 
 
 def test_the_command_plugs_in_another_one_on_usb_2(saw):

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.source.sensor_map import find_places
 from neurotouch_hid.source.view import MIDDLE_PX, View, ViewTable, whole_view
 
 SIZES = [(320, 240), (640, 480), (1920, 1200), (1200, 1920), (347, 211)]
@@ -95,3 +96,20 @@ def test_beyond_the_picture_is_its_edge():
 def test_a_picture_of_another_size_is_refused():
     with pytest.raises(ValueError, match="640×480"):
         draw(whole_view(320, 240), np.zeros((480, 640), np.uint8))
+
+
+@pytest.mark.parametrize("rotation_rad", [0.0, 0.3])
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_each_sensor_pixel_has_the_canonical_pixel_of_its_middle(rotation_rad, mirrored):
+    view = View(640, 480, (300.3, 220.8), 0.613, rotation_rad, mirrored)
+    y, x = np.mgrid[:480, :640]
+    at = view.to_canonical(np.stack([x.ravel(), y.ravel()], axis=1))
+    columns, rows = np.floor(at + 0.5).astype(int).T
+    inside = (columns >= 0) & (columns < SENSOR_WIDTH_PX) & (rows >= 0) & (rows < SENSOR_HEIGHT_PX)
+    tables = find_places(view)
+    assert [table.dtype for table in tables] == [np.int16, np.int16]
+    found = [np.broadcast_to(table, (480, 640)).ravel() for table in tables]
+    assert 0.2 < inside.mean() < 0.98
+    assert np.array_equal((found[0] >= 0) & (found[1] >= 0), inside)
+    assert np.array_equal(found[0][inside], columns[inside])
+    assert np.array_equal(found[1][inside], rows[inside])

@@ -143,6 +143,14 @@ class PacketReader:
             self._gap = 0
 
 
+def load_kernels(view: View, *, has_frames: bool) -> None:
+    """Compiles or loads what the first packet of a camera needs, so that none waits for it."""
+    sensor_map = SensorMap(view)
+    sensor_map.map_events(_rename(_ANY_EVENT))
+    if has_frames:
+        sensor_map.map_frames([Frame(np.zeros((view.height_px, view.width_px), np.uint8), 0, 0)])
+
+
 def make_frame(picture: Picture, shift_us: int) -> Frame:
     """Returns a frame of the library's, whose values have 10 bits, shifted left by 6.
 
@@ -168,3 +176,5 @@ def _rename(events: NDArray[np.void]) -> NDArray[np.void]:
 
 
 _NOTHING: Final = np.empty(0, EVENT_DTYPE)
+_ANY_EVENT: Final = np.zeros(1, [("t", "<u8"), ("x", "<u2"), ("y", "<u2"), ("on", "?")])
+"""An event as the library has them: nothing is between the fields."""

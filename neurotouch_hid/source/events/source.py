@@ -11,7 +11,7 @@ from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.recording import Sensor
 from neurotouch_hid.source.camera_errors import CameraAbsentError, CameraGoneError
-from neurotouch_hid.source.camera_source import MAX_DELAY_US, POLL_S, CameraSource
+from neurotouch_hid.source.camera_source import MAX_DELAY_US, POLL_S, CameraSource, Watch
 from neurotouch_hid.source.events.config import EventsConfig
 from neurotouch_hid.source.events.enumeration import (
     EventCameraInfo,
@@ -20,15 +20,18 @@ from neurotouch_hid.source.events.enumeration import (
 )
 from neurotouch_hid.source.events.gel_place import find_region, place_gel
 from neurotouch_hid.source.events.library import Device, Library, Status, load_library
-from neurotouch_hid.source.events.models import make_configuration, make_ring
+from neurotouch_hid.source.events.models import DAVIS, make_configuration, make_ring
 from neurotouch_hid.source.events.plugged import list_plugged
-from neurotouch_hid.source.events.reader import ClockJumpError, PacketReader
+from neurotouch_hid.source.events.reader import ClockJumpError, PacketReader, load_kernels
 from neurotouch_hid.source.slice_pacer import SlicePacer
 from neurotouch_hid.source.strobe.decoder import Strobe
 from neurotouch_hid.source.view import View
 
 SILENCE_S: Final = 2.0
 """A camera that is silent this long has failed: each sends its time all the while."""
+SETTLE_S: Final = 0.2
+"""Between a failure and closing the camera. The library aborts the whole program if it closes one
+that was unplugged before Linux has given back all transfers."""
 ASK_S: Final = 10.0
 """The library stops all threads while it lists cameras. One that is missing is looked for as often
 where Linux lists the same cameras as before."""
@@ -187,6 +190,7 @@ class EventCameraSource(CameraSource):
         configuration = make_configuration(
             self._library, info.model, self._config, find_region(view)
         )
+        load_kernels(view, has_frames=info.model == DAVIS)  # before the camera sends anything
         try:
             self._device = self._library.open(
                 configuration=configuration,
@@ -221,8 +225,14 @@ class EventCameraSource(CameraSource):
     def _describe(self) -> str:
         return self._chosen if self._info is None else str(self._info)
 
+    def _pause(self, watch: Watch) -> None:
+        # The pad is neutral by now. The library stops all threads while it closes a camera.
+        time.sleep(SETTLE_S)
+        self._release()
+        super()._pause(watch)
+
     def _play(self) -> None:
-        device, self._device = self._device, None
+        device = self._device
         if device is None or self._view is None or self._info is None:
             return
         begin_us, gap = self._find_begin()
@@ -246,7 +256,6 @@ class EventCameraSource(CameraSource):
             raise kind(f"The camera {self._info} has failed: {error}.") from error
         finally:
             self._ended_s = self._clock_s()
-            device.close()
 
     def _find_begin(self) -> tuple[int, int]:
         """Returns when the stream goes on, and what is missing before: nothing at the start."""

@@ -66,7 +66,7 @@ def interpolate(
 
 
 NOWHERE = -1
-"""In a table of places: the pixel has none in the canonical picture."""
+"""In a table of columns or rows: the pixel has no place in the canonical picture."""
 
 
 @kernel
@@ -74,7 +74,8 @@ def map_events(
     events: NDArray[np.void],
     shift_us: int,
     last_us: int,
-    places: NDArray[np.int32],
+    columns: NDArray[np.int16],
+    rows: NDArray[np.int16],
     sums: NDArray[np.int16],
     out: NDArray[np.void],
 ) -> tuple[int, int, int]:
@@ -88,7 +89,9 @@ def map_events(
         events: (n,) records with ``t``, ``x``, ``y`` and ``p``.
         shift_us: is added to the times.
         last_us: no event is older; those that are get this time.
-        places: (h, w) int32 of each pixel of the sensor: x + 65,536 y, or ``NOWHERE``.
+        columns: (h, w) int16 of each pixel of the sensor, or ``NOWHERE``; (1, w) if it is the same
+            in all rows. Such small tables stay in the processor's cache.
+        rows: (h, w) int16 likewise; (h, 1) if it is the same in all columns.
         sums: (height, width, 2) int16: the sum of each canonical pixel, carried from call to call,
             and its area in pixels of the sensor.
         out: (n,) EVENT_DTYPE or longer, written.
@@ -96,7 +99,8 @@ def map_events(
     Returns:
         The number of events written, the last time, and the number of times that went back.
     """
-    height, width = places.shape
+    height, width = rows.shape[0], columns.shape[1]
+    down, across = columns.shape[0] > 1, rows.shape[1] > 1
     n = n_back = 0
     for i in range(len(events)):
         event = events[i]
@@ -108,10 +112,9 @@ def map_events(
         x, y = np.int64(event.x), np.int64(event.y)
         if x >= width or y >= height:
             continue
-        place = places[y, x]
-        if place < 0:
+        column, row = columns[y * down, x], rows[y, x * across]
+        if column < 0 or row < 0:
             continue
-        column, row = place & 0xFFFF, place >> 16
         total, area = sums[row, column, 0], sums[row, column, 1]
         if event.p:
             total += 1

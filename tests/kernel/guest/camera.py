@@ -1,4 +1,7 @@
-"""Plugs emulated cameras into the kernel and reads them through three drivers."""
+"""Plugs emulated cameras into the kernel and reads them through three drivers.
+
+Ours, the vendor's, and neuromorphic-drivers as the source ``events:`` plays it.
+"""
 
 import multiprocessing
 import signal
@@ -12,6 +15,7 @@ from typing import Any
 import numpy as np
 from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Identity, UsbIp
 
+from neurotouch_hid.source.events.source import EventCameraSource
 from tests.emulator import drivers
 from tests.emulator.host import make_scene
 
@@ -30,8 +34,8 @@ def watch(results: Path) -> dict[str, Any]:
     theirs.close()
     saw: dict[str, Any] = {}
     try:
-        for driver in ("neuromorphic", "dv", "own"):
-            plug(ours, SERIAL, resets=driver != "neuromorphic")
+        for driver in ("events", "dv", "own"):
+            plug(ours, SERIAL, resets=driver != "events")
             columns, frames = drivers.read(driver, 5000, 3, PATIENCE_S)
             np.savez(
                 results / f"camera-{driver}.npz",
@@ -43,6 +47,8 @@ def watch(results: Path) -> dict[str, Any]:
             unplug(ours)
         plug(ours, SERIAL)
         saw["unplugged"] = unplug_while_read(ours)
+        plug(ours, SERIAL, resets=False)
+        saw["unplugged_events"] = unplug_while_played(ours)
         plug(ours, "00000002")
         saw["two"] = beside(results / "tour.aedat4")
         unplug(ours)
@@ -134,3 +140,33 @@ def unplug_while_read(orders: Connection) -> bool:
         if time.monotonic() > deadline:
             return False
     return told
+
+
+def unplug_while_played(orders: Connection) -> dict[str, Any]:
+    """How a program ends whose source ``events:`` is unplugged in the middle of its stream.
+
+    The library aborts a program that closes such a camera too early.
+    """
+    begun, told = multiprocessing.Pipe()
+    player = multiprocessing.get_context("fork").Process(target=play_events, args=(told,))
+    player.start()
+    saw: dict[str, Any] = {"plays": begun.poll(PATIENCE_S) and begun.recv()}
+    pulled_s = time.monotonic()
+    give(orders, None)
+    if begun.poll(PATIENCE_S):
+        trouble, noticed_s = begun.recv()
+        saw |= {"trouble": trouble, "seconds": round(noticed_s - pulled_s, 3)}
+    player.join(PATIENCE_S)
+    return saw | {"code": player.exitcode}
+
+
+def play_events(told: Connection) -> None:
+    """Says when the first slice comes, and when and why no more do."""
+    with EventCameraSource() as source:
+        for packet in source.poll():
+            if packet is not None:
+                told.send(True)
+                break
+        while not source.trouble:
+            time.sleep(0.001)
+        told.send((source.trouble, time.monotonic()))

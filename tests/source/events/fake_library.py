@@ -24,6 +24,8 @@ EVENTS = np.dtype(
     }
 )
 """As of neuromorphic-drivers 0.18.2: nothing between the fields."""
+SETTLED_S = 0.1
+"""If it closes an unplugged camera sooner, the library aborts: Linux still has transfers."""
 
 
 def make_packet(events=None, overflows=None, frames=None):
@@ -39,10 +41,16 @@ def make_events(times, x=0, y=0, on=True):
     return events
 
 
+def list_places(view):
+    """The canonical pixel of each pixel of the sensor: x + 65,536 y, or -1."""
+    columns, rows = (places.astype(np.int32) for places in find_places(view))
+    return np.where((columns < 0) | (rows < 0), -1, columns | rows << 16)
+
+
 @cache
 def sort_places(view):
     """The canonical pixels of a view in order, and each one's pixel of the sensor."""
-    places = find_places(view).ravel()
+    places = list_places(view).ravel()
     order = np.argsort(places, kind="stable")
     return places[order], order
 
@@ -67,6 +75,7 @@ class Device:
         self.camera, self.configuration, self.timeout_s = camera, configuration, timeout_s
         self.closed = False
         self.cleared = []
+        self.failed_s = None
 
     def __iter__(self):
         return self
@@ -75,6 +84,7 @@ class Device:
         assert not self.closed
         camera = self.camera
         if camera.unplugged.is_set():
+            self.failed_s = time.monotonic()
             raise RuntimeError("Usb(NoDevice)")
         item = camera.script.pop(0) if camera.script else None
         now = time.time()
@@ -96,6 +106,7 @@ class Device:
         self.cleared.append(until)
 
     def close(self):
+        assert self.failed_s is None or time.monotonic() > self.failed_s + SETTLED_S
         self.closed = True
         self.camera.device = None
 

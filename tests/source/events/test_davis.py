@@ -1,4 +1,9 @@
-"""The library as it is, on an emulated DAVIS346: their driver and ours give the same Steps."""
+"""The library as it is, on an emulated DAVIS346.
+
+Their driver and ours give the same Steps, and the pad is neutral soon after it was unplugged.
+"""
+
+import time
 
 import numpy as np
 import pytest
@@ -8,12 +13,15 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import EVENT_DTYPE, Frame, GestureKind
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline
+from neurotouch_hid.source.simulator import Simulator, StrokeTiming, push, sequence
 from neurotouch_hid.source.slicer import Slicer
-from tests.emulator.stage import plug_in, run
+from tests.emulator.stage import finish, plug_in, run, start
 
 pytestmark = pytest.mark.filterwarnings("ignore:DynamicImporter:ImportWarning")  # gi's own
 
 MOST_PX = 0.2
+MOST_S = 0.1
+HELD = StrokeTiming(attack_us=100_000, hold_us=4_000_000, release_us=100_000)
 
 
 def see(who, packets, folder):
@@ -63,3 +71,23 @@ def test_their_driver_and_ours_give_the_same_steps(push, tmp_path):
     assert n_compared > 10_000
     assert worst_px <= MOST_PX
     assert [step.gesture.kind for step in ours].count(GestureKind.PUSH) > 50
+
+
+def pull_while_pushing(packets):
+    """Returns how long a program that plays the camera held the stick after the pull, s."""
+    config = CameraConfig(lead_us=700_000)  # their driver does not reset the clock
+    with plug_in(EmulatedCamera(packets, config)) as bed:
+        process = start(bed, "-m", "tests.source.events.pulled")
+        assert process.stdout.readline() == "pushed\n"
+        pulled_s = time.monotonic()
+        bed.unplug()
+        return float(finish(process)) - pulled_s
+
+
+def test_the_pad_is_neutral_soon_after_their_camera_was_unplugged():
+    """Their driver stops all threads, or aborts the program, if it closes such a camera at once."""
+    with Simulator(sequence("push", push(0.0, 10.0, timing=HELD), rest_us=200_000)) as scene:
+        packets = list(scene)
+    taken_s = [pull_while_pushing(packets) for _ in range(3)]
+    assert all(s > 0.0 for s in taken_s)
+    assert np.median(taken_s) <= MOST_S, taken_s

@@ -13,10 +13,11 @@ from neurotouch_hid.source.events import library as library_module
 from neurotouch_hid.source.events.config import EventsConfig
 from neurotouch_hid.source.events.models import MODELS, find_model
 from neurotouch_hid.source.events.source import EventCameraSource
-from neurotouch_hid.source.sensor_map import find_places
+from neurotouch_hid.source.kernels.view import interpolate, map_events
 from tests.source.events.fake_library import (
     Camera,
     Library,
+    list_places,
     magnify,
     make_events,
 )
@@ -55,6 +56,16 @@ def test_events_come_in_slices_from_the_first_time_of_the_camera():
     assert camera.device is None
 
 
+@pytest.mark.parametrize("title", ["Prophesee EVK4", "iniVation DAVIS 346"])
+def test_the_first_packet_waits_for_no_kernel(title, monkeypatch):
+    """A camera of 1280x720 sends 20,000 events in each ms that a kernel is compiled."""
+    needed = [map_events] if title == "Prophesee EVK4" else [map_events, interpolate]
+    for kernel in needed:
+        monkeypatch.setattr(kernel, "_found", {})
+    with open_source(Camera(title)):
+        assert [kernel.n_variants for kernel in needed] == [1] * len(needed)
+
+
 def test_slices_come_in_parts_while_the_gel_moves():
     camera = Camera("iniVation DAVIS 346")
     shown = ((k, 100 if k < 50 else 400) for k in range(1_000))  # noise, then motion
@@ -78,7 +89,7 @@ def test_slices_come_in_parts_while_the_gel_moves():
 
 def test_a_canonical_pixel_fires_once_for_all_the_pixels_that_it_stands_for():
     camera = Camera()
-    places = find_places(camera.view)
+    places = list_places(camera.view)
     ys, xs = np.nonzero(places == (100 | 120 << 16))
     n = len(xs)
     assert n > 8
@@ -315,7 +326,7 @@ def test_a_finer_sensor_gives_the_pipeline_the_events_of_a_davis(title, push):
         camera.show(packet.t_end_us, events)
     shown = np.concatenate([packet.events for packet in packets])
     shown = shown[shown["t"] < packets[-1].t_begin_us]
-    inside = np.isin(shown["x"] | shown["y"].astype(np.int32) << 16, find_places(camera.view))
+    inside = np.isin(shown["x"] | shown["y"].astype(np.int32) << 16, list_places(camera.view))
     shown = shown[inside]
     with open_source(camera, max_delay_us=60_000_000) as source:
         got = take(source, lambda got: len(got) == len(packets) - 1)
