@@ -76,7 +76,6 @@ def follow_steps(
     """
     common, steps, steps_s = tracks.common[0], tracks.steps, tracks.steps_s
     n, moved_s = len(steps), tracks.moved_px_s
-    common.counts_steps = True
     share = -math.expm1(-dt / tuning.rate_s)
     for i in range(n):
         for axis in range(2):
