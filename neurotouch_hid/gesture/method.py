@@ -50,12 +50,19 @@ class GestureMethod(Protocol):
         """Forgets the gesture in progress: the gel was lost, or the neutral pose changed."""
 
 
+class Recognition(GestureMethod, Protocol):
+    """A method as ``GestureRecognizer`` uses it."""
+
+    def note_rest(self, t_us: int) -> None:
+        """Takes that a frame, exposed about ``t_us``, shows the gel at rest."""
+
+
 def list_methods() -> tuple[str, ...]:
     """Returns the names of all methods, our own first."""
     return *BUILT_IN, *(name for name in list_plugins(METHODS) if name not in BUILT_IN)
 
 
-def make_method(config: GestureConfig, gel: Gel = PAPER_GEL) -> GestureMethod:
+def make_method(config: GestureConfig, gel: Gel = PAPER_GEL) -> Recognition:
     """Returns a new recogniser of ``config.method`` for a gel.
 
     Raises:
@@ -124,6 +131,9 @@ class _Checked:
             what, must = mistake
             raise PluginError(f"The method '{self._name}' returned {what}.", hint=f"{must}.")
         return gesture
+
+    def note_rest(self, t_us: int) -> None:
+        """Does nothing: other packages' methods have two functions only."""
 
     def reset(self) -> None:
         with self._plugin.running():

@@ -41,6 +41,10 @@ class GestureRecognizer:
         self._method.reset()
         self._neutral.capture()
 
+    def note_rest(self, t_us: int) -> None:
+        """Takes that a frame, exposed about ``t_us``, shows the gel at rest, for ``update``."""
+        self._method.note_rest(t_us)
+
     def update(self, markers: MarkerField) -> Gesture:
         """Returns the gesture at the end of a slice; NONE at rest and before the gel is found."""
         t_us, rest_px = markers.t_us, markers.rest_px

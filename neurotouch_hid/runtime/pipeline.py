@@ -121,6 +121,8 @@ class Pipeline:
             packet_left = packet
         with self.timings.tracker:
             markers = self.tracker.update(packet_left)
+        if self._anchor is not None:
+            self.recognizer.note_rest(self._anchor.t_us)
         if self.tracker.is_frameless:
             self._do_without_frames(packet.t_end_us)
         if self.tracker.flicker is not self._flicker:

@@ -8,11 +8,11 @@ from neurotouch_hid.gesture.elastic.kind_decider import KindDecider
 from neurotouch_hid.messages import GestureKind
 
 
-def push(decision, size_mm, *, sway_mm=0.0, error_mm=0.0):
+def push(decision, size_mm, *, sway_mm=0.0, error_mm=0.0, rest_age_us=None):
     """One slice of 10 ms in which one finger drags by ``size_mm``."""
     parts_mm = np.array([0.0, size_mm, 0.0, 0.0, 0.0, 0.0])
     motion = FingerMotion(1, size_mm, sway_mm, error_mm, size_mm, 0.0, 0.0, 1.0, parts_mm)
-    decision.update(10_000, motion, 0.05)
+    decision.update(10_000, motion, 0.05, rest_age_us)
 
 
 def test_no_gesture_begins_while_the_gel_sways():
@@ -41,6 +41,38 @@ def test_motion_that_fingers_do_not_explain_is_a_knock_while_the_gel_moves():
     assert begin(0.9, 0.2, 0.1) is GestureKind.PUSH
     assert begin(0.9, 0.0, 0.2) is GestureKind.PUSH  # gel of another kind: nothing knocked
     assert begin(2.5, 0.2, 0.4) is GestureKind.PUSH
+
+
+def press_and_release(decision, left_mm):
+    """Pushes by 5 mm for 0.2 s, then leaves some of it within 50 ms."""
+    for _ in range(20):
+        push(decision, 5.0)
+    for size_mm in np.linspace(5.0, left_mm, 6)[1:]:
+        push(decision, size_mm)
+
+
+@pytest.mark.parametrize(
+    ("left_mm", "rest_age_us", "kind"),
+    [
+        (0.45, None, GestureKind.PUSH),
+        (0.45, 20_000, GestureKind.NONE),
+        (0.45, 300_000, GestureKind.PUSH),  # it shows the gel before the push
+        (3.0, 20_000, GestureKind.PUSH),  # the fingers are back
+    ],
+)
+def test_fingers_that_leave_a_gel_seen_at_rest_end_the_gesture(left_mm, rest_age_us, kind):
+    decision = KindDecider()
+    press_and_release(decision, left_mm)
+    push(decision, left_mm, rest_age_us=rest_age_us)
+    assert decision.kind is kind
+
+
+def test_a_soft_touch_that_begins_is_not_ended_by_a_frame_at_rest():
+    decision = KindDecider()
+    for size_mm in (0.3, 0.32, 0.34):
+        push(decision, size_mm)
+    push(decision, 0.36, rest_age_us=5_000)
+    assert decision.kind is GestureKind.PUSH
 
 
 def test_a_gesture_ends_the_later_the_smaller_it_was():

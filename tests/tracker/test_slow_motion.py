@@ -1,4 +1,4 @@
-"""Without frames, each event of a marker's edge is a step of its motion."""
+"""Where frames are rare, each event of a marker's edge is a step of its motion."""
 
 import numpy as np
 import pytest
@@ -12,6 +12,7 @@ from neurotouch_hid.tracker.kernels.slow_motion import (
     forget_steps,
     needs_steps,
 )
+from neurotouch_hid.tracker.kernels.tracks import note_frame
 from neurotouch_hid.tracker.markers import make_tracks
 
 CHECK_S = 2e-3
@@ -68,10 +69,19 @@ def test_the_steps_of_a_pixel_of_motion_are_learnt(tracks, steps_per_px):
     assert np.allclose(moved_px, (2.0, 0.0), rtol=0.05)
 
 
-def test_steps_are_counted_only_where_frames_are_missing(tracks):
+def test_steps_are_counted_only_where_frames_are_rare(tracks):
     assert needs_steps(1_000_000, tracks)
-    tracks.common["placed_us"] = 900_000
+    tracks.common["placed_us"] = 990_000
     assert not needs_steps(1_000_000, tracks)
-    tracks.common["last_frame_us"] = 1_200_000
-    assert not needs_steps(1_600_000, tracks)
-    assert needs_steps(1_700_000, tracks)
+    for end_us in range(1_000_000, 1_400_000, 40_000):  # 25 frames/s
+        note_frame(end_us, tracks)
+        assert not needs_steps(end_us + 50_000, tracks)
+    assert needs_steps(end_us + 60_000, tracks)
+
+
+def test_steps_are_counted_from_frame_to_frame_of_a_slow_camera(tracks):
+    for end_us in (1_000_000, 1_250_000, 1_500_000):
+        note_frame(end_us, tracks)
+    assert needs_steps(1_510_000, tracks)  # a gesture that ends now is not seen for 0.24 s
+    note_frame(1_540_000, tracks)
+    assert not needs_steps(1_550_000, tracks)

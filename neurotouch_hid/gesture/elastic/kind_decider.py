@@ -116,7 +116,9 @@ class KindDecider:
         """True while the fingers leave the gel."""
         return self._speed_mm_s < -self._config.moving_mm_s
 
-    def update(self, step_us: int, motion: FingerMotion, noise_mm: float) -> None:
+    def update(
+        self, step_us: int, motion: FingerMotion, noise_mm: float, rest_age_us: int | None = None
+    ) -> None:
         """Takes one slice.
 
         Args:
@@ -124,6 +126,7 @@ class KindDecider:
             motion: the motion of the fingers in this slice; only ``largest_mm``, ``parts_mm``,
                 ``n_fingers``, ``sway_mm`` and ``error_mm`` are read.
             noise_mm: error of a marker on one axis.
+            rest_age_us: how long ago the gel was seen at rest, if a frame has just told so.
         """
         size_mm = motion.largest_mm
         config = self._config
@@ -142,7 +145,11 @@ class KindDecider:
             self._size_mm = size_mm
             self.confidence = 1.0 - self._believe(size_mm)
             return
-        is_over = self._below_us >= config.off_us or self._is_kept(step_us, size_mm)
+        is_over = (
+            self._below_us >= config.off_us
+            or self._is_kept(step_us, size_mm)
+            or self._is_seen_over(rest_age_us, size_mm)
+        )
         if self.kind is not GestureKind.NONE and is_over:
             self._swing_mm = max(self._swing_mm, config.swing * self._most_mm)
             self.reset()
@@ -181,6 +188,15 @@ class KindDecider:
         else:
             self._stays_us += step_us
         return self._stays_us >= config.kept_us and size_mm < config.kept * self._most_mm
+
+    def _is_seen_over(self, rest_age_us: int | None, size_mm: float) -> bool:
+        """Returns True if the fingers leave, and a frame since the begin shows the gel at rest.
+
+        The frame is late, so the fingers may be back: a large gesture goes on.
+        """
+        if rest_age_us is None or rest_age_us >= self._age_us:
+            return False
+        return self._is_ending and size_mm < self._config.latch_mm
 
     def _believe(self, size_mm: float) -> float:
         """Returns the probability that people see a gesture of this size."""

@@ -31,6 +31,11 @@ class ElasticMethod:
         self._noise_mm = 0.08
         self._unmeasured_us = 0
         self._remembers = False
+        self._seen_rest_us: int | None = None
+
+    def note_rest(self, t_us: int) -> None:
+        """Takes that a frame shows the gel at rest: a gesture whose fingers leave is over."""
+        self._seen_rest_us = t_us
 
     def reset(self) -> None:
         """Forgets the gesture."""
@@ -60,7 +65,9 @@ class ElasticMethod:
             forming=decision.is_forming,
             falling=decision.is_falling,
         )
-        decision.update(step_us, motion, self._noise_mm)
+        rest_age_us = None if self._seen_rest_us is None else t_us - self._seen_rest_us
+        self._seen_rest_us = None
+        decision.update(step_us, motion, self._noise_mm, rest_age_us)
         if not motion.n_fingers:
             self._measure_noise(step_us)
             if decision.kind is GestureKind.NONE and self._remembers:

@@ -17,6 +17,9 @@ class PaperMethod:
     def __init__(self, config: GestureConfig) -> None:
         self._config = config
 
+    def note_rest(self, t_us: int) -> None:
+        """Does nothing: each slice is recognised for itself."""
+
     def reset(self) -> None:
         """Does nothing: there is no memory."""
 

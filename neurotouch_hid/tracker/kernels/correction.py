@@ -9,7 +9,7 @@ from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.filter import STILL_US
 from neurotouch_hid.tracker.kernels.matching import match_points
 from neurotouch_hid.tracker.kernels.neighbours import expect, find_strays
-from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning
+from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning, note_frame
 
 GATE_PX = 3.5  # a third of the pitch, so another marker's blob is farther away
 MAX_BLUR_PX = 2.0  # smeared markers merge with their neighbours
@@ -153,7 +153,7 @@ def correct(
         by_px[k] = points_px[blob[i]] - then_px[i]
         tracks.state[i].n_missed = 0
         tracks.lost[i] = False
-    tracks.common[0].last_frame_us = end_us
+    note_frame(end_us, tracks)
     for i in range(n):
         if tracks.state[i].n_missed >= MAX_MISSED:
             tracks.lost[i] = True

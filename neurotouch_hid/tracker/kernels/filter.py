@@ -57,7 +57,7 @@ def filter_events(
     forget, quiet_s2 = 1.0 / tuning.memory_s, tuning.quiet_s * tuning.quiet_s
     tail = 1.0 / (tuning.spread_px * tuning.spread_px)
     stop = find_event(events, start, until_us)
-    counts_steps = needs_steps(until_us, tracks)
+    counts_steps = tracks.common[0].counts_steps
     while start < stop:
         end = min(start + BLOCK, stop)
         n = assign(events, start, end, tuning.gate_px, tuning.search_all, tracks.targets, pairs)
@@ -200,22 +200,23 @@ def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     Neighbours are checked every second time: they take half of the time, and that is often enough.
     Without events each frame checks them.
     """
-    slot = tracks.common[0].n_checks % len(tracks.past_us)
+    common, last_us = tracks.common[0], _last_check_us(tracks)
+    slot = common.n_checks % len(tracks.past_us)
     position = tracks.past_px[slot]
     predict(float(t_us), tuning.memory_s, tracks, position)
-    last_us = _last_check_us(tracks)
-    if not needs_steps(t_us, tracks):
-        if tracks.common[0].counts_steps:
-            forget_steps(tracks)
-    elif last_us >= 0:
-        before = tracks.past_px[(tracks.common[0].n_checks - 1) % len(tracks.past_us)]
+    if common.counts_steps and last_us >= 0:
+        before = tracks.past_px[(common.n_checks - 1) % len(tracks.past_us)]
         follow_steps(SECOND * (t_us - last_us), before, position, tracks, tuning)
-    if tracks.common[0].n_checks % 2 == 0 and not tracks.common[0].frames_alone:
+    if needs_steps(t_us, tracks):
+        common.counts_steps = True
+    elif common.counts_steps:
+        forget_steps(tracks)
+    if common.n_checks % 2 == 0 and not common.frames_alone:
         update_lost_markers(t_us, position, tracks, tuning)
     weigh(t_us, tracks, tuning)
     aim(float(t_us + tuning.check_us), tracks, tuning)
     tracks.past_us[slot] = t_us
-    tracks.common[0].n_checks += 1
+    common.n_checks += 1
 
 
 @kernel

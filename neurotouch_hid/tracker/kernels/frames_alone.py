@@ -15,7 +15,7 @@ from neurotouch_hid.tracker.kernels.neighbours import (
     find_strays,
     find_tears,
 )
-from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning
+from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, note_frame
 
 LONGEST_US = 50_000  # a velocity that is older says nothing
 ROUNDS = 6  # from a gel that is still to the middle of the fastest fingertip
@@ -316,5 +316,5 @@ def follow(
         s.n_missed = 0 if blob[i] >= 0 else s.n_missed + 1
         tracks.lost[i] = s.n_missed >= MAX_MISSED
     _calm(longest_us * SECOND, blob, tracks)
-    tracks.common[0].last_frame_us = end_us
+    note_frame(end_us, tracks)
     return n_seen

@@ -1,4 +1,4 @@
-"""Compiled loops that follow slow markers by the polarity of their events, without frames.
+"""Compiled loops that follow slow markers by the polarity of their events, where frames are rare.
 
 A pixel tells the logarithm of its light: each event is a step by its threshold. A marker that moves
 brightens the pixels ahead of it and darkens those behind it, by as many steps as its edge is high.
@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
-from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US
 from neurotouch_hid.tracker.kernels.neighbours import expect
 from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning
 
+RARE_US = 60_000  # between frames; at 25 frames/s each one comes sooner
 REACH = 0.92  # of the gate; the edge of a marker is nearer to its middle
 MIDDLE_PX = 1.0  # events nearer to the middle tell the direction less surely
 STEPS_PER_PX = 78.0  # of a marker of usual contrast: simulated, white on black, thresholds of 0.2
@@ -30,10 +30,11 @@ MOST_PX = 5_000.0  # of motion that is remembered
 
 @kernel
 def needs_steps(t_us: int, tracks: Tracks) -> bool:
-    """Returns True if no frame has shown the markers for a while."""
+    """Returns True if frames show the markers seldom, or no longer."""
     common = tracks.common[0]
-    is_missing: bool = t_us - max(common.last_frame_us, common.placed_us) >= FRAMELESS_US
-    return is_missing
+    since_us = t_us - max(common.last_frame_us, common.placed_us)
+    is_rare: bool = max(since_us, common.frame_gap_us) >= RARE_US
+    return is_rare
 
 
 @kernel
@@ -75,7 +76,6 @@ def follow_steps(
     """
     common, steps, steps_s = tracks.common[0], tracks.steps, tracks.steps_s
     n, moved_s = len(steps), tracks.moved_px_s
-    common.counts_steps = True
     share = -math.expm1(-dt / tuning.rate_s)
     for i in range(n):
         for axis in range(2):
@@ -105,7 +105,7 @@ def follow_steps(
 
 @kernel
 def forget_steps(tracks: Tracks) -> None:
-    """Forgets the steps and speeds, because frames show the markers or events are missing."""
+    """Forgets the steps and speeds, because frames come often again, or events are missing."""
     tracks.steps[:] = 0.0
     tracks.steps_s[:] = 0.0
     tracks.moved_px_s[:] = 0.0

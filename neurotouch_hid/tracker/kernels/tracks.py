@@ -52,6 +52,7 @@ COMMON: Final = np.dtype(
         ("n_repairs", "i8"),
         ("last_frame_us", "i8"),
         ("placed_us", "i8"),
+        ("frame_gap_us", "i8"),
         ("noise_hz", "f8"),
         ("frames_alone", "?"),
         ("counts_steps", "?"),
@@ -67,9 +68,10 @@ COMMON: Final = np.dtype(
 - ``n_repairs``: how often a marker was moved to the place that its neighbours gave.
 - ``last_frame_us``: the end of the last frame that showed the markers, µs.
 - ``placed_us``: when the markers were first placed, µs.
+- ``frame_gap_us``: the time between the last two frames that showed the markers.
 - ``noise_hz``: events per second of a marker that does not move.
 - ``frames_alone``: no events come; each frame moves the tracks from where the last one left them.
-- ``counts_steps``: the steps of the pixels move slow markers, because frames are missing.
+- ``counts_steps``: the steps of the pixels move slow markers, because frames are rare.
 - ``learnt_px``, ``learnt_steps``: motion of markers without frames, and the steps that it took.
 """
 
@@ -199,6 +201,14 @@ def place(
         s.var_x, s.cov_xv, s.var_v = variance_px2, 0.0, 100.0
         _aim_at(s.x, s.y, i, tracks)
     list_markers(tracks.targets)
+
+
+@kernel
+def note_frame(end_us: int, tracks: Tracks) -> None:
+    """Notes that a frame has shown the markers, whose exposure ended at ``end_us``."""
+    common = tracks.common[0]
+    common.frame_gap_us = end_us - max(common.last_frame_us, common.placed_us)
+    common.last_frame_us = end_us
 
 
 @kernel
