@@ -6,7 +6,6 @@ import pytest
 from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.tracker import TrackerConfig
 from neurotouch_hid.tracker.kernels.slow_motion import (
-    EDGE_PX,
     SLOW_PX_S,
     STEPS_PER_PX,
     follow_steps,
@@ -46,17 +45,6 @@ def test_steps_move_slow_markers(tracks):
     px_s = np.array((0.6, -0.8))
     moved_px = follow(tracks, STEPS_PER_PX * px_s * CHECK_S, 1_000)
     assert np.allclose(moved_px, 2.0 * px_s, rtol=0.03)
-
-
-def test_steps_that_noise_begins_anew_are_restored(tracks):
-    """An event of noise lets its pixel forget what was on the way to the next step."""
-    steps_hz, noise_hz = 4.0, 0.8  # of a pixel
-    between_s = np.random.default_rng(1).exponential(1.0 / noise_hz, 20_000)
-    seen_hz = np.floor(steps_hz * between_s).sum() / between_s.sum()
-    assert seen_hz < 0.91 * steps_hz
-    tracks.common["noise_hz"] = noise_hz * np.pi * CONFIG.gate_px**2
-    moved_px = follow(tracks, (EDGE_PX * seen_hz * CHECK_S, 0.0), 2_000)
-    assert np.allclose(moved_px, (4.0 * EDGE_PX * steps_hz / STEPS_PER_PX, 0.0), rtol=0.03)
 
 
 def test_a_step_now_and_then_moves_as_far_as_many_small_ones(tracks):

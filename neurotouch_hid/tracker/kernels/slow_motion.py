@@ -5,9 +5,6 @@ brightens the pixels ahead of it and darkens those behind it, by as many steps a
 So each ON event tells that the marker has moved towards it, each OFF event that it has moved away,
 all by the same small distance. Noise comes from all sides, in both polarities, and cancels. Where
 events are tells less of a slow marker: they cannot be told from noise.
-
-Noise costs steps, however. Each event, also one of noise, lets its pixel begin a new step, and what
-was on the way to the last one is forgotten. The larger the thresholds, the more is lost.
 """
 
 import math
@@ -22,10 +19,8 @@ from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning
 
 REACH = 0.92  # of the gate; the edge of a marker is nearer to its middle
 MIDDLE_PX = 1.0  # events nearer to the middle tell the direction less surely
-EDGE_PX = 10.4  # pixels at the edge of a marker, each by the share of its steps along the motion
 STEPS_PER_PX = 78.0  # of a marker of usual contrast: simulated, white on black, thresholds of 0.2
 SLOW_PX_S = 15.0  # faster markers are followed by where their events are
-LEAST_HZ = 1e-3  # steps of a marker; fewer are none
 ALONE = 0.5  # of the motion of its neighbours, by which a marker may differ: a hot pixel does
 LONG_S = 0.2  # of steps, to tell this: in it even the slowest push makes several
 LEAST_PX_S = 20.0  # the places of the events follow such a marker well ...
@@ -81,7 +76,6 @@ def follow_steps(
     """
     common, steps, steps_s = tracks.common[0], tracks.steps, tracks.steps_s
     n, moved_s, long_steps_s = len(steps), tracks.moved_px_s, tracks.long_steps_s
-    restarts_hz = EDGE_PX * common.noise_hz / (math.pi * tuning.gate_px * tuning.gate_px)
     common.counts_steps = True
     share, long_share = -math.expm1(-dt / tuning.rate_s), -math.expm1(-dt / LONG_S)
     for i in range(n):
@@ -103,8 +97,7 @@ def follow_steps(
             continue
         trust = _trust(long_steps_s[i], long_around_s[i])
         x, y = x + trust * (steps_s[i, 0] - x), y + trust * (steps_s[i, 1] - y)
-        whole = px * _restore(math.sqrt(x * x + y * y), restarts_hz)
-        x, y = whole * x, whole * y
+        x, y = px * x, px * y
         slow_s = dt / (1.0 + (x * x + y * y) / (SLOW_PX_S * SLOW_PX_S))
         s = tracks.state[i]
         s.x, s.y = s.x + slow_s * x, s.y + slow_s * y
@@ -124,21 +117,6 @@ def _trust(own_s: NDArray[np.float64], around_s: NDArray[np.float64]) -> float:
     own = math.sqrt(x * x + y * y)
     most = ALONE * math.sqrt(around_s[0] * around_s[0] + around_s[1] * around_s[1])
     return most / own if own > most else 1.0
-
-
-@kernel(inline="always")
-def _restore(steps_hz: float, restarts_hz: float) -> float:
-    """Returns how many steps there would be without noise, for each step that there is.
-
-    A pixel that takes r steps a second, and is begun anew by noise n times a second, ends a step
-    with the probability exp(-n / r). So it shows n / (exp(n / r) - 1) steps a second.
-
-    Args:
-        steps_hz: the steps of a marker per second.
-        restarts_hz: noise events per second of all pixels at its edge.
-    """
-    lost = restarts_hz / max(steps_hz, LEAST_HZ)
-    return lost / math.log1p(lost) if lost > 0.0 else 1.0
 
 
 @kernel
