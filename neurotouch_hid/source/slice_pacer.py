@@ -1,5 +1,7 @@
 """Makes slices follow the activity: short while the gel moves, joined while nothing happens."""
 
+import math
+from collections import deque
 from typing import Final
 
 from neurotouch_hid.events import join_events
@@ -18,20 +20,26 @@ MOST_PER_US: Final = 2
 """The same for slices shorter than 2 ms, which leave less time: events a µs of one slice."""
 CALM_US: Final = 100_000
 """Time without activity after which slices are joined."""
-MOVED_US: Final = 300_000
+MOVED_US: Final = 150_000
 """Time without activity after which slices are no longer short. Longer, because a slow finger does
 not exceed the noise all the time."""
+DOUBT_US: Final = 500_000
+"""A slice is learned as noise this time after it, if the pipeline has been idle since. A motion
+begins a tenth of a second and more before the pipeline finds a gesture in it. Learned as noise, it
+would hide all slower motions after it."""
 
 _LEARN: Final = 1 / 64  # weight of a slice in the estimate of the noise: a quarter of a second
 _STANDS_OUT: Final = 5.0  # mean deviations, four standard ones: by chance once in two minutes
 _FEW: Final = 8.0  # events; a quiet sensor's deviation may be 0
+_CHANCE: Final = 0.8  # mean deviation of independent events, in square roots of their mean
 
 
 class SlicePacer:
     """Joins slices: up to the usual length, or further while the pipeline is idle.
 
-    The noise is learned while the pipeline is idle. From then on, a slice of the usual length with
-    more events than that shows that the gel moves. While it moves, parts of slices pass at once.
+    The noise is learned while the pipeline is idle and stays so. From then on, a slice of the usual
+    length with more events than that shows that the gel moves. While it moves, parts of slices pass
+    at once.
 
     Args:
         usual_us: length of the usual slices, which end at multiples of it; parts of them may come
@@ -49,8 +57,9 @@ class SlicePacer:
         self._passes = True
         self._n_events = self._length_us = 0  # of the usual slice so far
         self._calm_us, self._still_us = 0, MOVED_US + 1
-        self._mean = self._deviation = 0.0
+        self._mean, self._deviation = math.inf, 0.0  # so all is noise at first
         self._n_heard = 0
+        self._doubtful: deque[tuple[int, int]] = deque()  # events and end of slices not yet learned
 
     @property
     def takes_partials(self) -> bool:
@@ -85,11 +94,17 @@ class SlicePacer:
         is_noise = self._is_noise(n_events)
         self._still_us = self._still_us + length_us if is_noise else 0
         if not self.is_idle:
+            self._doubtful.clear()
             self._calm_us = 0
             self._passes = True
             return self._release(packet)
-        self._learn(n_events)
-        self._calm_us = self._calm_us + length_us if is_noise and not packet.gap else 0
+        self._doubtful.append((n_events, packet.t_end_us))
+        while self._doubtful[0][1] <= packet.t_end_us - DOUBT_US:
+            self._learn(self._doubtful.popleft()[0])
+        if not self._n_heard:
+            self._mean = min(self._mean, n_events)
+        is_calm = is_noise and self._n_heard > 0 and not packet.gap
+        self._calm_us = self._calm_us + length_us if is_calm else 0
         begin_us = self._waiting[0].t_begin_us if self._waiting else packet.t_begin_us
         n_next = self._n_waiting + len(packet.events) + n_events  # with one more like this
         if (
@@ -121,11 +136,12 @@ class SlicePacer:
         self._n_waiting += len(packet.events)
 
     def _is_noise(self, n_events: int) -> bool:
-        """Returns True if this many events are noise; the first slice that is learned is."""
-        return not self._n_heard or n_events - self._mean <= self._find_most()
+        """Returns True if this many events are noise; until it is known, the quietest slice is."""
+        return n_events - self._mean <= self._find_most()
 
     def _find_most(self) -> float:
-        return _STANDS_OUT * self._deviation + _FEW
+        """Returns by how many events noise exceeds its mean, at most."""
+        return _STANDS_OUT * max(self._deviation, _CHANCE * math.sqrt(self._mean)) + _FEW
 
     def _learn(self, n_events: int) -> None:
         if not self._n_heard:

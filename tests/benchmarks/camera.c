@@ -21,6 +21,7 @@ static const uint8_t *stream;
 static const uint64_t *offsets; /* how much of it has come after so many steps */
 static const uint64_t *ends;    /* where short packets end; the last one is beyond all */
 static uint64_t step_ns, n_steps, begun_ns, position, lost, longest, entered_ns, used_ns;
+static uint64_t transfers;
 static struct libusb_transfer *queue[MOST];
 static int n_queued, n_cancelled;
 
@@ -41,13 +42,14 @@ void standin_prepare(answer_t a, const uint8_t *bytes, const uint64_t *of, uint6
                      const uint64_t *short_ends)
 {
     answer = a, stream = bytes, offsets = of, n_steps = n, step_ns = step, ends = short_ends;
-    begun_ns = position = lost = longest = used_ns = 0;
+    begun_ns = position = lost = longest = used_ns = transfers = 0;
 }
 
 uint64_t standin_begin(void) { return begun_ns = now_ns(); }
 uint64_t standin_lost(void) { return lost; }
 uint64_t standin_longest(void) { return longest; }
 uint64_t standin_used(void) { return used_ns; }
+uint64_t standin_transfers(void) { return transfers; }
 
 /* How much has come. */
 static uint64_t come(void)
@@ -103,6 +105,7 @@ static int complete(int status)
     struct libusb_transfer *t = queue[0];
     memmove(queue, queue + 1, --n_queued * sizeof *queue);
     t->status = status;
+    transfers++;
     t->actual_length = status ? 0 : take(t->buffer, t->length);
     leave();
     t->callback(t);

@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -117,11 +117,11 @@ class Stream:
         return STEP_US * (step - 1 + part)
 
 
-def record(seconds: float, rate: float, pace: Pace) -> Stream:
-    """The emulated camera's stream, set up as the driver does it."""
+def record(packets: Iterable[EventPacket], seconds: float, pace: Pace) -> Stream:
+    """The emulated camera's stream of what it sees, set up as the driver does it."""
     now_us = 0
     config = CameraConfig(fifo_bytes=1 << 40)
-    camera = EmulatedCamera(see(seconds, rate, pace), config, clock_ns=lambda: 1000 * now_us)
+    camera = EmulatedCamera(packets, config, clock_ns=lambda: 1000 * now_us)
     cycles_per_us = (
         camera.registers[reg.EARLY_PACKET_DELAY] / camera.registers.early_packet_delay_us
     )
@@ -141,13 +141,23 @@ def record(seconds: float, rate: float, pace: Pace) -> Stream:
     return Stream(b"".join(parts), np.array(offsets, np.uint64), np.array(ends, np.uint64))
 
 
+def build_standin(folder: str) -> str:
+    """Returns the path of the compiled stand-in for libusb."""
+    standin = str(Path(folder) / "libusb-standin.so")
+    source = Path(__file__).with_suffix(".c")
+    build = ["gcc", "-O2", "-shared", "-fPIC", "-o", standin, str(source)]
+    build += ["-Wl,--no-as-needed", "-lusb-1.0"]  # for all that is not in there
+    subprocess.run(build, check=True)
+    return standin
+
+
 class Bench:
     """Where the driver finds its camera: behind the stand-in, through either library."""
 
     def __init__(self, library: str, standin: str, stream: Stream) -> None:
         self._library, self._path = library, standin
         self.standin = ctypes.CDLL(standin)
-        for name in ("begin", "lost", "longest", "used"):
+        for name in ("begin", "lost", "longest", "used", "transfers"):
             getattr(self.standin, f"standin_{name}").restype = ctypes.c_uint64
         camera = EmulatedCamera(())
         self._control = ControlEndpoint(camera, DataEndpoint(camera))
@@ -192,7 +202,7 @@ class Bench:
 
 def play(library: str, standin: str, seconds: float, rate: float, pace: Pace) -> dict[str, float]:
     """What one library makes of it."""
-    stream = record(seconds, rate, pace)
+    stream = record(see(seconds, rate, pace), seconds, pace)
     bench = Bench(library, standin, stream)
     gc.collect()
     gc.freeze()  # as ``run`` does it
@@ -246,11 +256,7 @@ def main() -> None:
         print(json.dumps(play(sys.argv[4], sys.argv[5], seconds, rate, pace)))
         return
     with tempfile.TemporaryDirectory() as folder:
-        standin = str(Path(folder) / "libusb-standin.so")
-        source = Path(__file__).with_suffix(".c")
-        build = ["gcc", "-O2", "-shared", "-fPIC", "-o", standin, str(source)]
-        build += ["-Wl,--no-as-needed", "-lusb-1.0"]  # for all that is not in there
-        subprocess.run(build, check=True)
+        standin = build_standin(folder)
         for library in ("libusb1", "pyusb"):
             command = [sys.executable, "-m", "tests.benchmarks.camera"]
             command += [

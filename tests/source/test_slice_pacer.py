@@ -6,6 +6,7 @@ import pytest
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.slice_pacer import (
     CALM_US,
+    DOUBT_US,
     LONGEST_US,
     MOST_EVENTS,
     MOST_PER_US,
@@ -16,6 +17,7 @@ from neurotouch_hid.source.slice_pacer import (
 
 SLICE_US = 4_000
 N_CALM = CALM_US // SLICE_US
+N_DOUBT = DOUBT_US // SLICE_US
 N_JOINED = LONGEST_US // SLICE_US
 
 
@@ -30,10 +32,10 @@ def idle_lull(slice_us=SLICE_US):
     """A lull whose next slices wait: the line has been idle for as long as it takes."""
     lull = SlicePacer()
     lull.is_idle = True
-    n_calm = CALM_US // slice_us
-    for k in range(n_calm):
-        lull.take(make(k, slice_us=slice_us))
-    return lull, n_calm
+    n_first = (DOUBT_US + CALM_US) // slice_us
+    for k in range(n_first):
+        assert lull.take(make(k, slice_us=slice_us))
+    return lull, n_first
 
 
 def test_a_line_that_is_not_idle_gets_every_slice():
@@ -54,7 +56,7 @@ def test_an_idle_line_gets_noise_seldom_and_all_of_it(level):
     ]
     got = [packet for each in sent for packet in lull.take(each)]
     got += lull.flush()
-    assert len(got) < 1.2 * len(sent) / N_JOINED + 2 * N_CALM
+    assert len(got) < 1.2 * len(sent) / N_JOINED + N_DOUBT + 2 * N_CALM
     assert max(packet.t_end_us - packet.t_begin_us for packet in got) == LONGEST_US
     ends = [0, *(packet.t_end_us for packet in got)]
     assert [packet.t_begin_us for packet in got] == ends[:-1]
@@ -182,6 +184,38 @@ def test_parts_come_at_once_while_the_gel_moves_and_together_when_it_rests():
         assert take_parts(pacer, k + 2 + j, [90] * PARTS) == each, j
     assert not pacer.is_moving
     assert take_parts(pacer, k + 3 + N_STILL, [90] * PARTS) == [(0, SLICE_US, 360)]
+
+
+def test_a_motion_that_the_pipeline_finds_late_is_not_learned_as_noise():
+    pacer, k = learn_noise()
+    pacer.is_idle = True
+    for j in range(N_DOUBT):  # of a push that is no gesture yet
+        take_parts(pacer, k + j, [300] * PARTS)
+    pacer.is_idle = False
+    for j in range(N_DOUBT, N_DOUBT + N_STILL + 1):
+        take_parts(pacer, k + j, [90] * PARTS)
+    assert not pacer.is_moving
+    take_parts(pacer, k + j + 1, [120] * PARTS)  # and of a slow one
+    assert pacer.is_moving
+
+
+def test_a_motion_is_seen_before_the_pipeline_was_idle_for_long():
+    rng = np.random.default_rng(1)
+    pacer = SlicePacer(SLICE_US)
+    pacer.is_idle = True
+    for k in range(10):
+        take_parts(pacer, k, rng.poisson(90, PARTS))
+    pacer.is_idle = False
+    take_parts(pacer, k + 1, [120] * PARTS)
+    assert pacer.is_moving
+
+
+def test_light_that_flickers_does_not_keep_slices_short():
+    pacer = SlicePacer(SLICE_US)
+    pacer.is_idle = True
+    for k in range(1_000):
+        take_parts(pacer, k, [50 if k % 5 else 400] * PARTS)  # every 20 ms
+    assert not pacer.is_moving
 
 
 def test_whole_slices_wake_a_pacer_of_parts_as_well():

@@ -25,8 +25,10 @@ PUMP_S: Final = 0.05
 AWAKE_US: Final = 600
 """Time before the end of a slice in which data is read as it arrives. Earlier data waits until
 then, because waking up for each transfer takes half as much processor time again. This time is
-enough to read the waiting data, in 0.4 ms at 5 million events/s, even if the thread wakes late.
-Of a short slice less waits, so a quarter of its length is enough."""
+enough to read the waiting data, in 0.4 ms at 5 million events/s, even if the thread wakes late."""
+AWAKE_SHARE: Final = 16
+"""The same for a slice without a partial slice: this part of its length, only to wake up. All its
+data may come in one read."""
 MAX_PARTIAL_EVENTS: Final = 8_000
 """Largest number of events in a partial slice: at 4 ms, 2 million events/s. Copying more would
 delay the slice by as much as the pipeline gains."""
@@ -170,7 +172,8 @@ class Stream:
             return 1e-6 * CALM_REST_US
         length_us = self._slicer.length_us
         left_us = self.end_us + length_us - self._decoder.now_us
-        return 1e-6 * min(left_us - min(AWAKE_US, length_us // 4), MOST_REST_US)
+        awake_us = AWAKE_US if length_us >= SHORTEST_US else length_us // AWAKE_SHARE
+        return 1e-6 * min(left_us - awake_us, MOST_REST_US)
 
     def _pump(self, rest_until_s: float) -> None:
         try:

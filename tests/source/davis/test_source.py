@@ -21,7 +21,7 @@ from neurotouch_hid.source import PolledSource
 from neurotouch_hid.source.camera_source import RETRY_S, PatientWatch
 from neurotouch_hid.source.davis import Biases, DavisConfig, DavisSource, Roi
 from neurotouch_hid.source.davis.registers import CoarseFine
-from neurotouch_hid.source.davis.stream import AWAKE_US, IDLE_FRAME_S, MAX_FAULTS
+from neurotouch_hid.source.davis.stream import AWAKE_SHARE, AWAKE_US, IDLE_FRAME_S, MAX_FAULTS
 from neurotouch_hid.source.davis.transport import StreamHaltedError
 from neurotouch_hid.source.davis.usb import Usb
 from tests.source.davis.camera import INFO, ScriptedCamera, gone, make_events
@@ -99,6 +99,18 @@ def test_after_a_slice_data_may_wait_until_the_next_one_is_near():
     assert untils_s[4] == untils_s[3]  # 5 to 6 ms: no slice
 
 
+def test_data_of_a_short_slice_waits_until_its_end():
+    camera = ScriptedCamera()
+    camera.at_reset.append([make_events(0, 2)])
+    with open_camera(camera, slice_us=1_000) as source:
+        take(source, 1)
+        while len(camera.rests) < 3:
+            time.sleep(0.001)
+    begins_s, untils_s = zip(*camera.rests[:3], strict=True)
+    rest_s = 1e-6 * (2_000 - 1_001 - 1_000 // AWAKE_SHARE)
+    assert begins_s[1] + rest_s <= untils_s[2] <= begins_s[2] + rest_s
+
+
 def test_a_line_that_plays_gets_the_head_of_a_slice_before_its_end():
     camera = ScriptedCamera()
     camera.at_reset.append([make_events(0, 2), make_events(2, 4)])
@@ -116,13 +128,13 @@ def test_a_line_that_plays_gets_the_head_of_a_slice_before_its_end():
 
 def test_a_line_that_is_idle_gets_heads_only_until_slices_wait():
     camera = ScriptedCamera()
-    camera.at_reset.append([make_events(ms, ms + 2) for ms in range(0, 300, 2)])
+    camera.at_reset.append([make_events(ms, ms + 2) for ms in range(0, 800, 2)])
     with open_camera(camera, slice_us=3_500) as source:
         source.set_activity(is_idle=True)
-        packets = take(source, 40)
-    heads_us = [packet.t_end_us for packet in packets if packet.is_partial]
-    assert all(us < 110_000 for us in heads_us)
-    assert packets[-1].t_begin_us > 110_000
+        for packet in filter(None, source.poll()):
+            assert packet.t_end_us < 610_000 or not packet.is_partial
+            if packet.t_begin_us > 610_000:
+                break
 
 
 def test_a_line_that_has_said_nothing_gets_whole_slices():
@@ -175,7 +187,7 @@ def test_a_camera_rests_while_nothing_happens_and_wakes_up_at_the_first_motion()
 
 
 def play_motion(camera, source, stream, n):
-    """The lengths of n slices after a camera at rest has seen the first motion, in µs."""
+    """The lengths of n slices after the first motion, in µs."""
     source.set_activity(is_idle=True)
     lengths_us, is_moving = [], False
     deadline_s = time.monotonic() + 60.0
@@ -185,7 +197,7 @@ def play_motion(camera, source, stream, n):
             camera.script.append(next(stream) + BURST * is_moving)
         if packet is None:
             continue
-        is_moving = is_moving or packet.t_end_us > 200_000
+        is_moving = is_moving or packet.t_end_us > 60_000
         lengths_us += [packet.t_end_us - packet.t_begin_us] * is_moving
         if len(lengths_us) >= n:
             return lengths_us
@@ -232,11 +244,11 @@ def test_a_resting_camera_that_does_not_answer_but_sends_is_asked_again():
 
 def test_a_camera_does_not_rest_while_its_frames_are_wanted():
     camera = ScriptedCamera()
-    camera.at_reset.append(islice(noise(), 200))
+    camera.at_reset.append(islice(noise(), 250))
     with open_camera(camera, slice_us=4_000) as source:
         for packet in source.poll():
             source.set_activity(is_idle=True)
-            if packet is not None and packet.t_end_us > 500_000:
+            if packet is not None and packet.t_end_us > 900_000:
                 break
         assert asked(camera) == []
 
