@@ -151,6 +151,7 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
         neighbours=neighbours.copy(),  # writeable, because kernels are compiled for one type only
         steps=np.zeros((n, 2)),
         steps_s=np.zeros((n, 2)),
+        long_steps_s=np.zeros((n, 2)),
         moved_px_s=np.zeros((n, 2)),
         past_px=np.zeros((_PAST, n, 2)),
         past_us=np.full(_PAST, -1, np.int64),

@@ -48,6 +48,22 @@ def test_steps_move_slow_markers(tracks):
     assert np.allclose(moved_px, 2.0 * px_s, rtol=0.03)
 
 
+def test_a_step_now_and_then_moves_as_far_as_many_small_ones(tracks):
+    """Most of the time a slow marker makes no event, so the middle one of its neighbours does not.
+
+    With thresholds of 0.4, a push of 2 mm in 4 s makes 40 steps a second.
+    """
+    rng, n_checks, n = np.random.default_rng(2), 2_000, PAPER_GEL.n_markers
+    steps = rng.poisson(40.0 * CHECK_S, (n_checks, n))
+    for now in steps:
+        tracks.steps[:, 0] = now
+        places_px = np.column_stack([tracks.state["x"], tracks.state["y"]])
+        follow_steps(CHECK_S, places_px, places_px.copy(), tracks, CONFIG.tuning())
+    begin_px = Rig((172.5, 129.5), 2.6).to_px(PAPER_GEL.points_mm)
+    moved_px = tracks.state["x"] - begin_px[:, 0]
+    assert moved_px.mean() == pytest.approx(steps.sum(axis=0).mean() / STEPS_PER_PX, rel=0.03)
+
+
 def test_fast_markers_are_followed_by_the_places_of_their_events(tracks):
     px_s = 10.0 * SLOW_PX_S
     moved_px = follow(tracks, (STEPS_PER_PX * px_s * CHECK_S, 0.0), 500)

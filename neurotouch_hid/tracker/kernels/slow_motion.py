@@ -22,6 +22,7 @@ MIDDLE_PX = 1.0  # events nearer to the middle tell the direction less surely
 STEPS_PER_PX = 78.0  # of a marker of usual contrast: simulated, white on black, thresholds of 0.2
 SLOW_PX_S = 15.0  # faster markers are followed by where their events are
 ALONE = 0.5  # of the motion of its neighbours, by which a marker may differ: a hot pixel does
+LONG_S = 0.2  # of steps, to tell this: in it even the slowest push makes several
 LEAST_PX_S = 20.0  # the places of the events follow such a marker well ...
 MOST_PX_S = 60.0  # ... and pixels are not yet too slow to count its steps
 USUAL_PX = 20.0  # what is known before, in px of motion
@@ -75,27 +76,28 @@ def follow_steps(
         tuning: of the filter.
     """
     common, steps, steps_s = tracks.common[0], tracks.steps, tracks.steps_s
-    n, moved_s = len(steps), tracks.moved_px_s
-    share = -math.expm1(-dt / tuning.rate_s)
+    n, moved_s, long_steps_s = len(steps), tracks.moved_px_s, tracks.long_steps_s
+    share, long_share = -math.expm1(-dt / tuning.rate_s), -math.expm1(-dt / LONG_S)
     for i in range(n):
         for axis in range(2):
             steps_s[i, axis] += share * (steps[i, axis] / dt - steps_s[i, axis])
+            long_steps_s[i, axis] += long_share * (steps[i, axis] / dt - long_steps_s[i, axis])
             moved_px = now_px[i, axis] - before_px[i, axis]
             moved_s[i, axis] += share * (moved_px / dt - moved_s[i, axis])
             steps[i, axis] = 0.0
     _learn(dt, tracks)
     px = (USUAL_PX + common.learnt_px) / (STEPS_PER_PX * USUAL_PX + common.learnt_steps)
     around_s, spread, nothing = np.empty((n, 2)), np.empty(n), np.zeros((n, 2))
+    long_around_s = np.empty((n, 2))
     expect(steps_s, ~tracks.lost, nothing, tracks.neighbours, around_s, spread)
+    expect(long_steps_s, ~tracks.lost, nothing, tracks.neighbours, long_around_s, spread)
     for i in range(n):
         x, y = around_s[i, 0], around_s[i, 1]
         if not math.isfinite(x):
             continue
-        own_x, own_y = steps_s[i, 0] - x, steps_s[i, 1] - y
-        own, most = math.sqrt(own_x * own_x + own_y * own_y), ALONE * math.sqrt(x * x + y * y)
-        if own > most:
-            own_x, own_y = own_x * most / own, own_y * most / own
-        x, y = px * (x + own_x), px * (y + own_y)
+        trust = _trust(long_steps_s[i], long_around_s[i])
+        x, y = x + trust * (steps_s[i, 0] - x), y + trust * (steps_s[i, 1] - y)
+        x, y = px * x, px * y
         slow_s = dt / (1.0 + (x * x + y * y) / (SLOW_PX_S * SLOW_PX_S))
         s = tracks.state[i]
         s.x, s.y = s.x + slow_s * x, s.y + slow_s * y
@@ -103,11 +105,26 @@ def follow_steps(
         now_px[i, 1] += slow_s * y
 
 
+@kernel(inline="always")
+def _trust(own_s: NDArray[np.float64], around_s: NDArray[np.float64]) -> float:
+    """Returns the share of its own difference from its neighbours that a marker may follow.
+
+    Args:
+        own_s: (2,) float64, the steps of the marker per second, over a long time.
+        around_s: (2,) float64, those of its neighbours.
+    """
+    x, y = own_s[0] - around_s[0], own_s[1] - around_s[1]
+    own = math.sqrt(x * x + y * y)
+    most = ALONE * math.sqrt(around_s[0] * around_s[0] + around_s[1] * around_s[1])
+    return most / own if own > most else 1.0
+
+
 @kernel
 def forget_steps(tracks: Tracks) -> None:
     """Forgets the steps and speeds, because frames come often again, or events are missing."""
     tracks.steps[:] = 0.0
     tracks.steps_s[:] = 0.0
+    tracks.long_steps_s[:] = 0.0
     tracks.moved_px_s[:] = 0.0
     tracks.common[0].counts_steps = False
 

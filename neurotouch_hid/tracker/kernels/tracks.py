@@ -93,6 +93,7 @@ class Tracks(NamedTuple):
         steps: (n, 2) float64, without frames the sum of the directions of the events of each marker
             since the last check: from it to an ON event, from an OFF event to it.
         steps_s: (n, 2) float64, the recent mean of ``steps`` per second.
+        long_steps_s: (n, 2) float64, the same over a longer time.
         moved_px_s: (n, 2) float64 px/s, the recent mean velocity of each marker.
         past_px: (k, n, 2) float64, ring of the positions at the last k checks.
         past_us: (k,) int64, the times of these checks, -1 where there is none.
@@ -109,6 +110,7 @@ class Tracks(NamedTuple):
     neighbours: NDArray[np.intp]
     steps: NDArray[np.float64]
     steps_s: NDArray[np.float64]
+    long_steps_s: NDArray[np.float64]
     moved_px_s: NDArray[np.float64]
     past_px: NDArray[np.float64]
     past_us: NDArray[np.int64]
