@@ -449,11 +449,12 @@ def play(chosen, prepare=None, **environment):
     return done.stderr
 
 
-def test_a_warm_start_imports_no_compiler(warm):
+def test_a_warm_start_imports_no_compiler_and_nothing_for_recordings_and_plugins(warm):
     told = play(warm, PYTHONPROFILEIMPORTTIME="1")
     imported = {line.rpartition("|")[2].strip() for line in told.splitlines()}
     assert "numpy" in imported
     assert not {"numba", "llvmlite"} & imported
+    assert not {"lz4", "xml", "importlib.metadata"} & imported
 
 
 def test_a_run_mends_a_damaged_cache_without_a_word(warm):
