@@ -35,7 +35,7 @@ class KernelFiles:
 
     @cached_property
     def folder(self) -> Path:
-        """Where they are written."""
+        """The folder in which they are written."""
         folder = _find_folder(self._source.parent)
         _remove_others(folder, self._source.stem, self._state)
         return folder
@@ -52,7 +52,7 @@ class KernelFiles:
     def find_packaged(self, key: object, ending: str) -> Path:
         """Returns the path of a file that a package brings along, beside Python's own cache.
 
-        Whoever may write there may also change the program: Python runs what is in that folder.
+        Python runs what is in that folder: a person who may write there may change the program.
         """
         return self._source.parent / _BESIDE / self._make_name(key, ending)
 

@@ -322,6 +322,14 @@ def test_code_for_abilities_that_the_processor_lacks_is_not_loaded(copy, tmp_pat
     assert say_of(older, copy).startswith("6 compiled")
 
 
+@needs_levels
+def test_code_for_a_level_is_loaded_from_the_package_alone(copy, tmp_path):
+    stranger = {"NUMBA_CACHE_DIR": str(tmp_path / "stranger")}
+    put_into_package(copy, "x86-64-v2", **stranger)
+    assert [*Path(stranger["NUMBA_CACHE_DIR"]).rglob("outer.call-*.code")]
+    assert call(copy, **stranger) == (6, "compiled")
+
+
 def test_a_service_that_sees_only_processes_in_proc_loads_what_was_compiled(copy):
     """Its unit has ProcSubset=pid, and there is no /proc/cpuinfo."""
     inside = ["unshare", "--user", "--map-root-user", "--mount", "--pid", "--fork", "sh", "-euc"]
