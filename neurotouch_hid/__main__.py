@@ -24,6 +24,7 @@ def main() -> None:
         sys.exit(send_command(command, on_desktop=from_menu))
     from neurotouch_hid.process.startup import (
         collect_rarely,
+        hasten_pydantic,
         leave_out_asyncio,
         leave_out_colours,
         leave_out_pydantic_plugins,
@@ -35,6 +36,7 @@ def main() -> None:
     leave_out_asyncio()
     leave_out_colours()
     leave_out_pydantic_plugins()
+    hasten_pydantic()
     from neurotouch_hid.cli.main import main as run_command_line
 
     run_command_line()

@@ -59,4 +59,5 @@ if [ "$service" = --with-service ]; then
             packaging/systemd/neurotouch.service.d/restart-ever-later.conf
     done
 fi
+PYTHON=$python packaging/compile-kernels.sh "$library"
 "$python" -m compileall -q --invalidation-mode unchecked-hash -s "$folder" "$library"

@@ -5,6 +5,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from textwrap import indent
 from typing import Final
@@ -102,7 +103,7 @@ def command(dry_run: bool, uninstall: bool, yes: bool, windows: bool) -> None:
         stays = " A camera that is plugged in stays open to you until it is unplugged."
         echo(f"Done.{stays if files else ''}")
         return
-    echo("All is installed. Compiling for this processor (once, half a minute) ...")
+    echo("All is installed. Compiling for this processor (once, up to half a minute) ...")
     _compile()
     echo("Done. Check with: neurotouch doctor")
 
@@ -166,7 +167,8 @@ def _compile() -> None:
         return
     options = DriverOptions(profile="default", device="memory", personal=False, wait=True)
     try:
-        Driver(options).compile()
+        for source in (options.source, "sim:tour"):  # the camera, and that of a demo
+            Driver(replace(options, source=source)).compile()
     except NeuroTouchError as error:
         echo(f"{error} {later}")
     if trouble := find_cache_trouble():

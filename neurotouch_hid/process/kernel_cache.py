@@ -13,7 +13,7 @@ from functools import cache, cached_property
 from hashlib import sha256
 from pathlib import Path
 from threading import RLock
-from typing import Any, Final
+from typing import Any, Final, cast
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from neurotouch_hid.process.kernel_files import (
     remove,
     write_checked,
 )
+from neurotouch_hid.process.processor import find_levels, read_abilities
 
 __all__ = ["Kernel", "find_cache_trouble", "kernel"]
 
@@ -100,17 +101,27 @@ class Kernel:
         """Returns the function for arguments of these types: loaded or, if need be, compiled."""
         with _one_at_a_time:
             try:
-                fingerprint = _fingerprint(args)
-                key = (_describe(args), *_describe_machine())
+                fingerprint, words = _fingerprint(args), _describe(args)
             except NotImplementedError:  # arguments, or a numba, that we do not know
-                slow: Callable[..., Any] = self.dispatcher
-                return slow
-            function = self._load(key) or self._compile(args, key)
+                return cast("Callable[..., Any]", self.dispatcher)
+            function = self._load_packaged(words) or self._load_own(args, words)
             self._found[fingerprint] = function
             return function
 
-    def _load(self, key: tuple[object, ...]) -> Callable[..., Any] | None:
-        path = self.files.find_path(key, "code")
+    def _load_packaged(self, words: object) -> Callable[..., Any] | None:
+        """Returns the function as it came with the package, for the highest level there is."""
+        paths = (self.files.find_packaged((words, *level), "code") for level in _list_levels())
+        return next(filter(None, map(self._load, paths)), None)
+
+    def _load_own(self, args: tuple[Any, ...], words: object) -> Callable[..., Any]:
+        """Returns the function that was compiled for this machine, or compiles it."""
+        machine = _describe_machine()
+        if machine is None:
+            return cast("Callable[..., Any]", self.dispatcher)
+        path = self.files.find_path((words, *machine), "code")
+        return self._load(path) or self._compile(args, path)
+
+    def _load(self, path: Path) -> Callable[..., Any] | None:
         content = read_checked(path)
         if content is None:
             return None
@@ -123,13 +134,12 @@ class Kernel:
         remove(path)
         return None
 
-    def _compile(self, args: tuple[Any, ...], key: tuple[object, ...]) -> Callable[..., Any]:
+    def _compile(self, args: tuple[Any, ...], path: Path) -> Callable[..., Any]:
         from neurotouch_hid.process.kernel_compiler import compile_for  # noqa: PLC0415
 
         function: Callable[..., Any]
         function, linked = compile_for(self.dispatcher, args)
         if linked is not None:
-            path = self.files.find_path(key, "code")
             write_checked(path, pickle.dumps((path.name, linked)))
         return function
 
@@ -184,25 +194,24 @@ def _describe_type(dtype: np.dtype[Any]) -> object:
 
 
 @cache
-def _describe_machine() -> tuple[object, ...]:
-    """Returns on what machine code depends, apart from its source."""
-    numba_version = sha256((find_numba() / "_version.py").read_bytes()).hexdigest()
+def _describe_machine() -> tuple[object, ...] | None:
+    """Returns on what machine code depends, apart from its source; None if nobody tells."""
     name, features = os.environ.get("NUMBA_CPU_NAME"), os.environ.get("NUMBA_CPU_FEATURES")
     # Then numba does not look at this processor, and the code runs on others as well.
     is_chosen = name == "generic" or None not in {name, features}
-    processor = "" if is_chosen else _read_processor()
-    return platform.python_version(), numba_version, name, features, processor
+    processor = "" if is_chosen else read_abilities()
+    return (*_describe_compiler(), name, features, processor) if is_chosen or processor else None
 
 
-def _read_processor() -> str:
-    """Returns model and abilities of the processor, as Linux tells them."""
-    wanted = {"vendor_id", "cpu family", "model", "flags"}
-    with Path("/proc/cpuinfo").open() as lines:
-        found = []
-        for line in lines:
-            name, _, words = line.partition(":")
-            if name.strip() in wanted:
-                found.append(words.strip())
-            if not line.strip():  # the second processor
-                break
-    return "\n".join(found)
+@cache
+def _list_levels() -> list[tuple[object, ...]]:
+    """Returns the same for the levels of x86-64 that this processor has, the highest first."""
+    if os.environ.keys() & {"NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES"}:
+        return []
+    return [(*_describe_compiler(), level, "", "") for level in find_levels(read_abilities())]
+
+
+@cache
+def _describe_compiler() -> tuple[str, str]:
+    numba_version = sha256((find_numba() / "_version.py").read_bytes()).hexdigest()
+    return platform.python_version(), numba_version

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable
 from contextlib import suppress
-from functools import cache
+from functools import cache, cached_property
 from hashlib import sha1, sha256
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -13,6 +13,7 @@ from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.process.source_stamp import stamp
 
 _DIGEST_BYTES: Final = sha256().digest_size
+_BESIDE: Final = "__pycache__"
 _troubles: list[str] = []
 
 
@@ -23,17 +24,21 @@ class KernelFiles:
         function: the kernel in Python.
 
     Attributes:
-        folder: where they are written.
         name: begins the name of each.
     """
 
     def __init__(self, function: Callable[..., Any]) -> None:
-        source = Path(function.__code__.co_filename)
-        state = stamp(source)[:12]
-        self.folder = _find_folder(source.parent)
-        _remove_others(self.folder, source.stem, state)
+        self._source = Path(function.__code__.co_filename)
+        self._state = stamp(self._source)[:12]
         line = function.__code__.co_firstlineno
-        self.name = f"{source.stem}.{function.__qualname__}-{line}-{state}"
+        self.name = f"{self._source.stem}.{function.__qualname__}-{line}-{self._state}"
+
+    @cached_property
+    def folder(self) -> Path:
+        """The folder in which they are written."""
+        folder = _find_folder(self._source.parent)
+        _remove_others(folder, self._source.stem, self._state)
+        return folder
 
     def find_path(self, key: object, ending: str) -> Path:
         """Returns the path of one file.
@@ -42,8 +47,18 @@ class KernelFiles:
             key: everything that it depends on, apart from the source; its ``repr`` counts.
             ending: of its name.
         """
+        return self.folder / self._make_name(key, ending)
+
+    def find_packaged(self, key: object, ending: str) -> Path:
+        """Returns the path of a file that a package brings along, beside Python's own cache.
+
+        Python runs what is in that folder: a person who may write there may change the program.
+        """
+        return self._source.parent / _BESIDE / self._make_name(key, ending)
+
+    def _make_name(self, key: object, ending: str) -> str:
         digest = sha256(repr(key).encode()).hexdigest()[:16]
-        return self.folder / f"{self.name}.{digest}.{ending}"
+        return f"{self.name}.{digest}.{ending}"
 
 
 def read_checked(path: Path) -> memoryview | None:
@@ -94,7 +109,7 @@ def _find_folder(beside: Path) -> Path:
     name = f"{beside.name}_{sha1(str(beside).encode(), usedforsecurity=False).hexdigest()}"
     chosen = os.environ.get("NUMBA_CACHE_DIR")
     places = [Path(chosen, name)] if chosen else []
-    places.append(beside / "__pycache__")
+    places.append(beside / _BESIDE)
     personal = Path(os.environ.get("XDG_CACHE_HOME", ""))
     if not personal.is_absolute():
         with suppress(RuntimeError):  # nobody knows the home

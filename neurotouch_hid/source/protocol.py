@@ -2,14 +2,16 @@
 
 from collections.abc import Iterator
 from types import TracebackType
-from typing import Protocol, Self, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, Self, runtime_checkable
 
 from neurotouch_hid.driver_state import SourceFacts
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket
-from neurotouch_hid.recording.clip import Picture
 from neurotouch_hid.recording.sensor import Sensor
 from neurotouch_hid.source.view import View
+
+if TYPE_CHECKING:
+    from neurotouch_hid.recording.clip import Picture
 
 
 class Source(Protocol):
@@ -111,7 +113,7 @@ class PictureSource(Source, Protocol):
         """The map from the sensor's pictures to the frames now; None before the first picture."""
         ...
 
-    def pictures(self) -> Iterator[Picture]:
+    def pictures(self) -> "Iterator[Picture]":
         """Yields the sensor's pictures as they are, instead of packets."""
         ...
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Gel, measure_pitch
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
-from neurotouch_hid.tracker.smooth_map import GATE, assign, extend_map
+from neurotouch_hid.tracker.smooth_map import GATE, SiteMap, assign
 
 Floats = NDArray[np.float64]
 
@@ -35,6 +35,7 @@ class Alignment:
         self._gel, self._n_turns, self._range_px = gel, n_turns, (low_px, high_px)
         self._near_mm = measure_pitch(gel.points_mm)
         self._places = gel.points_mm - gel.points_mm.mean(axis=0)
+        self._map = SiteMap(self._places / gel.radius_mm, (1, 2, 3))
         self._far = np.hypot(*self._places.T)
         order = np.argsort(self._far, kind="stable")
         n_inner = max(int((self._far <= _INNER * gel.radius_mm).sum()), _LEAST_INNER)
@@ -104,7 +105,6 @@ class Alignment:
 
     def _grow(self, points: Floats, model: Floats, pitch_px: float) -> tuple[Floats, int, float]:
         """Returns a model that has grown outwards, its number of dots, and how far they are off."""
-        places = self._places / self._gel.radius_mm
         last_mm = float(self._far.max()) + self._gel.pitch_mm
         seen: NDArray[np.intp] = np.empty(0, np.intp)
         off_px = math.inf
@@ -116,7 +116,7 @@ class Alignment:
                 if len(seen) < _LEAST_INNER // 2:
                     return model, 0, math.inf
                 order = 1 if len(seen) < 16 else 2 if len(seen) < 40 else 3
-                model = extend_map(places, seen, target, order)
+                model = self._map.fit(seen, target, order)
                 off_px = float(np.median(np.hypot(*(model[seen] - target).T)))
         return model, len(seen), off_px
 

@@ -5,6 +5,7 @@ more of them around.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 import numpy as np
@@ -70,8 +71,9 @@ class Beyond:
         return float((away < _NEAR * pitch_px).mean())
 
 
+@lru_cache(maxsize=2)
 def find_beyond(gel: Gel) -> Beyond:
-    """Returns the places around a gel."""
+    """Returns the places around a gel; each start asks five times."""
     points, middle = gel.points_mm, gel.points_mm.mean(axis=0)
     first = np.repeat(np.arange(gel.n_markers), gel.neighbours.shape[1])
     second = gel.neighbours.ravel()

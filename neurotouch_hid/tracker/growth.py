@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
-from neurotouch_hid.tracker.smooth_map import GATE, assign, extend_map, fit_model
+from neurotouch_hid.tracker.smooth_map import GATE, SiteMap, assign, fit_model
 
 Floats = NDArray[np.float64]
 
@@ -86,6 +86,7 @@ class Growth:
         self._mask[net.sites[:, 1] + reach, net.sites[:, 0] + reach] = True
         axis = np.arange(-2 * reach, 2 * reach + 1)
         self._grid = np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
+        self._map = SiteMap(self._grid / reach, (1, 2, 3))
         self._grid_far = np.abs(self._grid @ (net.first_mm, net.second_mm)) / abs(net.first_mm)
 
     def search(self, points: Floats, near_rad: float) -> tuple[Floats, float] | None:
@@ -151,7 +152,7 @@ class Growth:
                 if len(seen) < 4:
                     break
                 order = 1 if len(seen) < 16 else 2 if len(seen) < 40 else 3
-                model = extend_map(self._grid / self._reach, seen, points[blob[seen]], order)
+                model = self._map.fit(seen, points[blob[seen]], order)
             if len(seen) == n_before or len(seen) < 4:  # the ring is empty: this is the rim
                 break
             n_before = len(seen)

@@ -1,9 +1,12 @@
 """Smooth maps from the gel to the picture, and the dots that belong to them."""
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Gel
+from neurotouch_hid.tracker.kernels.matching import pair_nearest
 
 GATE = 0.42  # of the pitch: a dot farther from its site may belong to the next one
 
@@ -30,26 +33,52 @@ def fit_model(points: NDArray[np.float64], blob: NDArray[np.intp], gel: Gel) -> 
     return model
 
 
-def extend_map(
-    sites: NDArray[np.float64], seen: NDArray[np.intp], target: NDArray[np.float64], order: int
-) -> NDArray[np.float64]:
-    """Returns a polynomial map of all sites, (n, 2) px, fitted to those that are seen."""
-    x, y = sites.T
-    design = np.stack([x**a * y**b for a in range(order + 1) for b in range(order + 1 - a)], axis=1)
-    solution = np.linalg.lstsq(design[seen], target, rcond=None)[0]
-    model: NDArray[np.float64] = design @ solution
-    return model
+class SiteMap:
+    """Maps sites to the picture by a polynomial that fits those that are seen.
+
+    Args:
+        sites: (n, 2), the sites.
+        orders: of the polynomials that ``fit`` may take.
+    """
+
+    def __init__(self, sites: NDArray[np.float64], orders: Iterable[int]) -> None:
+        x, y = sites.T
+        self._terms = {
+            order: np.stack(
+                [x**a * y**b for a in range(order + 1) for b in range(order + 1 - a)], axis=1
+            )
+            for order in orders
+        }
+
+    def fit(
+        self, seen: NDArray[np.intp], target: NDArray[np.float64], order: int
+    ) -> NDArray[np.float64]:
+        """Returns all sites in the picture, (n, 2) px.
+
+        Args:
+            seen: (k,) the sites that are seen.
+            target: (k, 2) px, where.
+            order: of the polynomial.
+        """
+        terms = self._terms[order]
+        solution = np.linalg.lstsq(terms[seen], target, rcond=None)[0]
+        model: NDArray[np.float64] = terms @ solution
+        return model
 
 
 def assign(
     model: NDArray[np.float64], points: NDArray[np.float64], gate_px: float
 ) -> NDArray[np.intp]:
-    """Returns the blob of each marker, nearest to the model within the gate; -1 without one."""
-    if not len(model) or not len(points):
-        return np.full(len(model), -1, dtype=np.intp)
-    distance = np.hypot(*(model[:, None, :] - points[None, :, :]).transpose(2, 0, 1))
-    blob = distance.argmin(axis=1)
-    marker = distance.argmin(axis=0)
-    rows = np.arange(len(model))
-    good = (marker[blob] == rows) & (distance[rows, blob] < gate_px)
-    return np.where(good, blob, -1).astype(np.intp)
+    """Returns the blob of each marker, nearest to the model within the gate; -1 without one.
+
+    Args:
+        model: (n, 2) px, where the markers should be.
+        points: (m, 2) px, the blobs.
+        gate_px: a blob that is farther belongs to no marker.
+
+    Returns:
+        (n,) intp.
+    """
+    blob = np.empty(len(model), np.intp)
+    pair_nearest(np.ascontiguousarray(model), np.ascontiguousarray(points), gate_px, blob)
+    return blob

@@ -16,6 +16,7 @@ from neurotouch_hid.driver import Driver
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.gesture.elastic.kernels.follow import follow
 from neurotouch_hid.source.davis.kernels.decode import decode
+from neurotouch_hid.source.simulator.kernels.sensor import run_sensor
 
 ROOT = Path(__file__).parents[2]
 
@@ -63,6 +64,7 @@ def test_it_compiles_what_a_first_start_would(programs):
     assert said.output.endswith("half a minute) ...\nDone. Check with: neurotouch doctor\n")
     assert follow.n_variants
     assert decode.n_variants
+    assert run_sensor.n_variants  # of a demo
 
 
 @pytest.mark.parametrize(

@@ -181,6 +181,22 @@ def list_failed(fixes: list[dict]) -> list[str]:
     ]
 
 
+@pytest.mark.parametrize(
+    "call",
+    [
+        "run --source sim:press --device memory --seconds 1",
+        "run --source sim:press,uvc=60 --device memory --seconds 1",
+        "evaluate play/*push.aedat4",
+        "service --compile",
+        "service --source video: --compile",
+    ],
+)
+def test_a_person_who_starts_it_for_the_first_time_compiles_nothing(walk, call):
+    first = f"XDG_CACHE_HOME=$PWD/fresh neurotouch {call} && test ! -e fresh"
+    (done,) = walk([{"call": f"sh -c '{first}'"}])
+    assert done["code"] == 0, name(done)
+
+
 def test_there_are_many(results, mistakes):
     assert len(results) > 300
     assert len(mistakes) > 60

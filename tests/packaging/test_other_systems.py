@@ -99,6 +99,7 @@ def test_settings_stay_at_an_upgrade():
         ("bash", "arch/PKGBUILD"),
         ("sh", "arch/neurotouch-hid.install"),
         ("sh", "lay-out.sh"),
+        ("sh", "compile-kernels.sh"),
         ("sh", "sysext/build.sh"),
     ],
 )

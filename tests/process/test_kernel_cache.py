@@ -19,6 +19,7 @@ from neurotouch_hid.messages import EVENT_DTYPE
 from neurotouch_hid.process.kernel_cache import Kernel
 from neurotouch_hid.process.kernel_files import _find_folder
 from neurotouch_hid.process.own_command import make_own_command
+from neurotouch_hid.process.processor import find_levels, read_abilities
 from neurotouch_hid.process.source_stamp import stamp
 from neurotouch_hid.tracker.kernels.event_camera import add_events
 
@@ -32,6 +33,7 @@ COPIED = (
     "process/kernel_files.py",
     "process/code_loading.py",
     "process/machine_code.py",
+    "process/processor.py",
     "process/source_stamp.py",
 )
 OUTER = """
@@ -126,6 +128,11 @@ def outer(x):
 """
 
 
+needs_levels = pytest.mark.skipif(
+    len(find_levels(read_abilities())) < 2, reason="needs a processor with x86-64-v3"
+)
+
+
 @pytest.fixture
 def copy(tmp_path):
     """A package of the same name, with a kernel that calls another, which has a constant."""
@@ -144,10 +151,10 @@ def call_aloud(package, prepare=None, **environment):
     return int(value), how, trouble
 
 
-def say(program, package, prepare=None, **environment):
+def say(program, package, prepare=None, command=(), **environment):
     inherited = {k: v for k, v in os.environ.items() if not k.startswith("NUMBA")}
     done = subprocess.run(
-        [sys.executable, "-c", program],
+        [*command, sys.executable, "-c", program],
         cwd=package.parent,
         env={**inherited, "PYTHONPATH": str(package.parent), **environment},
         check=True,
@@ -162,6 +169,14 @@ def call(package, **environment):
     value, how, trouble = call_aloud(package, **environment)
     assert not trouble
     return value, how
+
+
+def put_into_package(package, level, **environment):
+    """Compiles for a level of x86-64, as the making of a package does."""
+    chosen = {"NUMBA_CPU_NAME": level, "NUMBA_CPU_FEATURES": ""}
+    assert call(package, **chosen, **environment) == (6, "compiled")
+    for path in package.rglob("*.nbc"):
+        path.unlink()
 
 
 def find_kept(package, ending="code"):
@@ -288,6 +303,54 @@ def test_another_processor_has_files_of_its_own(copy):
     assert call(copy, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == (6, "loaded")
 
 
+@needs_levels
+def test_code_that_came_with_a_package_is_loaded_by_everybody(copy, tmp_path):
+    put_into_package(copy, "x86-64-v2")
+    own = tmp_path / "own"
+    assert call(copy, NUMBA_CACHE_DIR=str(own)) == (6, "loaded")
+    assert not own.exists()
+    (copy / "constants.py").write_text("TWO = 20\n")
+    assert call(copy, NUMBA_CACHE_DIR=str(own)) == (60, "compiled")
+    assert [*own.rglob("outer.call-*.code")]
+
+
+@needs_levels
+def test_code_for_abilities_that_the_processor_lacks_is_not_loaded(copy, tmp_path):
+    put_into_package(copy, "x86-64-v3")
+    older = tmp_path / "older"
+    older.write_text(read_abilities().replace(",0125", ""))  # AVX2
+    assert say_of(older, copy).startswith("6 compiled")
+
+
+@needs_levels
+def test_code_for_a_level_is_loaded_from_the_package_alone(copy, tmp_path):
+    stranger = {"NUMBA_CACHE_DIR": str(tmp_path / "stranger")}
+    put_into_package(copy, "x86-64-v2", **stranger)
+    assert [*Path(stranger["NUMBA_CACHE_DIR"]).rglob("outer.call-*.code")]
+    assert call(copy, **stranger) == (6, "compiled")
+
+
+def test_a_service_that_sees_only_processes_in_proc_loads_what_was_compiled(copy):
+    """Its unit has ProcSubset=pid, and there is no /proc/cpuinfo."""
+    inside = ["unshare", "--user", "--map-root-user", "--mount", "--pid", "--fork", "sh", "-euc"]
+    script = 'mount -t proc -o subset=pid proc /proc; ! test -e /proc/cpuinfo; exec "$@"'
+    if subprocess.run([*inside, script, "sh", "true"], capture_output=True, check=False).returncode:
+        pytest.skip("this machine lets nobody mount")
+    assert call(copy) == (6, "compiled")
+    assert say(CALL, copy, command=(*inside, script, "sh")).startswith("6 loaded")
+
+
+def test_on_a_processor_that_nobody_knows_numba_loads_what_was_compiled(copy):
+    assert call(copy) == (6, "compiled")
+    assert say_of("/nowhere", copy).startswith("6 linked")
+
+
+def say_of(abilities, package):
+    """As if the processor's abilities were those that a file lists."""
+    known = "from neurotouch_hid.process import processor\n"
+    return say(f"{known}processor._ABILITIES = processor.Path({str(abilities)!r})\n{CALL}", package)
+
+
 def test_a_folder_in_the_place_of_a_file_only_costs_time(copy):
     assert call(copy) == (6, "compiled")
     kept = find_kept(copy)
@@ -394,11 +457,12 @@ def play(chosen, prepare=None, **environment):
     return done.stderr
 
 
-def test_a_warm_start_imports_no_compiler(warm):
+def test_a_warm_start_imports_no_compiler_and_nothing_for_recordings_and_plugins(warm):
     told = play(warm, PYTHONPROFILEIMPORTTIME="1")
     imported = {line.rpartition("|")[2].strip() for line in told.splitlines()}
     assert "numpy" in imported
     assert not {"numba", "llvmlite"} & imported
+    assert not {"lz4", "xml", "importlib.metadata"} & imported
 
 
 def test_a_run_mends_a_damaged_cache_without_a_word(warm):

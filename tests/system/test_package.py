@@ -25,6 +25,10 @@ def test_apt_puts_it_in(guest):
     assert seen["apt"]["code"] == 0, seen["apt"]["err"]
 
 
+def test_nothing_is_compiled_for_the_service_when_it_is_put_in(guest):
+    assert not guest("install")["compiled"]
+
+
 @pytest.mark.usefixtures("at_play")
 def test_with_the_camera_in_the_pad_is_there_without_any_command(guest):
     seen = guest("install")

@@ -3,7 +3,7 @@
 import click
 
 from neurotouch_hid.cli.ui.group import LazyGroup
-from neurotouch_hid.process.startup import collect_rarely, hasten_pydantic
+from neurotouch_hid.process.startup import collect_rarely
 
 _SUMMARIES = {
     "list": "Print every profile: yours and those shipped.",
@@ -64,4 +64,3 @@ def command() -> None:
     is checked before it is saved, shown, and can be undone.
     """
     collect_rarely()
-    hasten_pydantic()

@@ -141,10 +141,11 @@ def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
     """Returns the results of one recording; see ``evaluate_files``."""
     labels = _read_labels(path)
     with Driver(replace(options, source=f"file:{path}")) as driver:
-        source = driver.source
+        # Whether it has pictures is asked once: for a protocol Python compares every name.
+        source = driver.source if isinstance(driver.source, PictureSource) else None
 
         def find_view() -> View | None:
-            return source.view if isinstance(source, PictureSource) else None
+            return None if source is None else source.view
 
         comparison = Comparison(LabelTrack(labels), find_view)
         comparison.tally.host_s = driver.run([comparison]).host_s

@@ -29,6 +29,7 @@ class LabelTrack:
         self._labels = labels
         self._times = [label.t_us for label in labels]
         self._active = [label.t_us for label in labels if label.kind is not GestureKind.NONE]
+        self._paired = (-1, [0], [0])  # a label, its points, and their partners in the next one
 
     def at(self, t_us: int) -> Truth | None:
         """Returns the truth at a moment, or None before the first and after the last label.
@@ -48,7 +49,9 @@ class LabelTrack:
         after = self._labels[k + 1]
         share = (t_us - before.t_us) / (after.t_us - before.t_us)
         points = before.contacts_px.copy()
-        rows, columns = pair_points(before.contacts_px, after.contacts_px)
+        if self._paired[0] != k:
+            self._paired = (k, *pair_points(before.contacts_px, after.contacts_px))
+        _, rows, columns = self._paired
         if rows:
             points[rows] += share * (after.contacts_px[columns] - points[rows])
         intensity = before.intensity_mm + share * (after.intensity_mm - before.intensity_mm)

@@ -92,6 +92,47 @@ def match_points(
 
 
 @kernel
+def pair_nearest(
+    sites_px: NDArray[np.float64],
+    points_px: NDArray[np.float64],
+    gate_px: float,
+    out: NDArray[np.intp],
+) -> None:
+    """Writes the index of each site's point, -1 if there is none.
+
+    In a pair each is the nearest to the other; of equally near ones it is the first.
+
+    Args:
+        sites_px: (n, 2) float64 px, columns x, y.
+        points_px: (m, 2) float64 px.
+        gate_px: distance limit.
+        out: (n,) intp, written.
+    """
+    n, m = len(sites_px), len(points_px)
+    site, site_px = np.full(m, -1, np.intp), np.full(m, np.inf)  # the nearest of each point
+    by_row, begin, top = _sort_by_row(points_px)
+    n_rows = len(begin) - 1
+    for i in range(n):
+        best, best_px = -1, np.inf
+        x, y = sites_px[i, 0], sites_px[i, 1]
+        above, below = y - gate_px - top, y + gate_px - top
+        first, last = 0, 0
+        if below >= 0.0 and above < n_rows:
+            first, last = begin[int(max(above, 0.0))], begin[int(min(below, n_rows - 1.0)) + 1]
+        for k in range(first, last):
+            j = by_row[k]
+            px = math.hypot(points_px[j, 0] - x, points_px[j, 1] - y)
+            if px < best_px or (px == best_px and j < best):
+                best, best_px = j, px
+            if px < site_px[j]:
+                site[j], site_px[j] = i, px
+        out[i] = best if best_px < gate_px else -1
+    for i in range(n):
+        if out[i] >= 0 and site[out[i]] != i:
+            out[i] = -1
+
+
+@kernel
 def select(values: NDArray[np.float64], k: int) -> float:
     """Returns the value with index ``k`` of the sorted values, (n,) float64, all >= 0.
 

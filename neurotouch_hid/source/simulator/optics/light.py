@@ -1,6 +1,7 @@
 """The light in the picture: uneven, with bright spots beside the gel, and blurred markers."""
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ RING_AT, RING_WIDTH = 0.5, 0.06  # of the LED ring's reflection, in radii of the
 PIXEL_BLUR_PX = 12**-0.5  # the pixel's own width blurs as well
 
 
+@lru_cache(maxsize=1)  # a start opens the simulator twice
 def compute_light(
     config: LightConfig, rig: Rig, gel: Gel = PAPER_GEL
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
