@@ -126,6 +126,6 @@ def end_while_pushing(script, end, monkeypatch):
 
 @pytest.mark.parametrize("end", [unplug, fall_silent])
 def test_the_pad_is_neutral_soon_after_a_camera_of_1280x720_ends(filmed, end, monkeypatch):
-    taken_s = [end_while_pushing(filmed, end, monkeypatch) for _ in range(2)]
+    taken_s = [end_while_pushing(filmed, end, monkeypatch) for _ in range(3)]
     assert all(s > 0.0 for s in taken_s)
-    assert min(taken_s) <= MOST_S, taken_s  # a busy machine only adds
+    assert sorted(taken_s)[1] <= MOST_S, taken_s
