@@ -112,7 +112,6 @@ $(VENV)/bin/python:
 $(VENV)/.runtime: pyproject.toml | $(VENV)/bin/python
 	@echo "Installing neurotouch and what it needs (about half a minute, once) ..."
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable .
-	@echo "Compiling for this processor (half a minute, once) ..."
 	@$(BIN)/neurotouch service --source sim:tour --compile
 	@touch $@
 
