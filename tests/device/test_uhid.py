@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from neurotouch_hid.device.outputs import uhid
 from neurotouch_hid.device.outputs.identity import load_identities
 from neurotouch_hid.device.outputs.uhid import RULE, RULES_FILE, UhidNode, open_uhid
 from neurotouch_hid.errors import DeviceError
@@ -71,13 +72,23 @@ def test_the_event_that_makes_the_pad(kernel):
         os.fstat(kernel.descriptor)
 
 
-def test_one_report_per_change(kernel, pad):
+def test_the_first_reports_are_repeated_as_a_driver_that_begins_misses_them(kernel, pad):
+    pad.write_report(A_DOWN)
+    pad.write_report(A_DOWN)
+    assert kernel.take() == kernel.take()
+
+
+def test_one_report_per_change(kernel, monkeypatch):
+    monkeypatch.setattr(uhid, "BINDING_S", -1.0)
+    pad = kernel.make()
+    kernel.take()
     pad.write_report(A_DOWN)
     pad.write_report(A_DOWN)
     pad.write_report(OWN.make_spec().neutral)
     head = struct.pack("=IH", 12, 13)
     assert kernel.take() == head + bytes.fromhex("0000 0000 0000 0000 00 00 00 0100")
     assert kernel.take() == head + bytes(13)
+    pad.close()
 
 
 def test_a_program_that_asks_for_the_report_gets_it(kernel, pad):

@@ -8,6 +8,7 @@ import os
 import select
 import struct
 import threading
+import time
 from contextlib import suppress
 from errno import EIO
 from pathlib import Path
@@ -39,7 +40,10 @@ _SET_REPLY: Final = struct.Struct("=IIH")  # type, id, error
 _INPUT_REPORT: Final = 2
 
 START_S: Final = 10.0
-"""Time for the kernel to bind its driver; it usually takes some milliseconds."""
+"""Time for the kernel to find a driver; it usually takes some milliseconds."""
+
+BINDING_S: Final = 1.0
+"""Time for that driver to begin. Until then the kernel drops reports, and tells nobody."""
 
 
 def open_uhid(node: Path = NODE) -> int:
@@ -91,6 +95,7 @@ class UhidNode:
                 f"The kernel has found no driver for the {spec.name}.",
                 hint="Load it: sudo modprobe hid-generic.",
             )
+        self._repeat_until_s = time.monotonic() + BINDING_S
 
     def write_report(
         self,
@@ -98,7 +103,7 @@ class UhidNode:
         steps: Steps = (),  # noqa: ARG002  # a pad does not move in steps
         stamp_ns: int = 0,  # noqa: ARG002  # HID reports carry no time
     ) -> None:
-        """Writes one report if anything has changed.
+        """Writes one report if anything has changed, or if the driver may not have begun yet.
 
         Args:
             report: the value of every control of the description, in its order.
@@ -108,7 +113,7 @@ class UhidNode:
         Raises:
             DeviceError: the kernel refuses it.
         """
-        if report == self._report:
+        if report == self._report and time.monotonic() > self._repeat_until_s:
             return
         data = self._format.pack(report)
         try:
