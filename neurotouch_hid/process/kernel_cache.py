@@ -9,7 +9,8 @@ import pickle
 import platform
 import sys
 from collections.abc import Callable
-from functools import cache, cached_property
+from contextlib import suppress
+from functools import cache, cached_property, partial
 from hashlib import sha256
 from pathlib import Path
 from threading import RLock
@@ -27,7 +28,7 @@ from neurotouch_hid.process.kernel_files import (
 )
 from neurotouch_hid.process.processor import find_levels, read_abilities
 
-__all__ = ["Kernel", "find_cache_trouble", "kernel"]
+__all__ = ["Kernel", "bind", "find_cache_trouble", "kernel"]
 
 _IS_OFF: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") not in {"", "0"}
 _one_at_a_time: Final = RLock()
@@ -43,6 +44,32 @@ def kernel(function: Callable[..., Any] | None = None, /, **options: Any) -> Any
     if function is None:
         return lambda function: kernel(function, **options)
     return function if _IS_OFF else Kernel(function, options)
+
+
+def bind(function: Callable[..., Any], *first: Any) -> Callable[..., Any]:
+    """Returns a kernel whose first arguments are given.
+
+    The types of these are found once, not in each call: of a record or a tuple with many fields
+    that takes up to 15 µs.
+
+    Args:
+        function: a kernel.
+        first: its first arguments. An array must keep its dtype and its flags.
+    """
+    if not isinstance(function, Kernel):
+        return partial(function, *first)
+    found: dict[bytes, Callable[..., Any]] = {}
+
+    def call(*args: Any) -> Any:
+        try:
+            compiled = found[_fingerprint(args)]
+        except (KeyError, NotImplementedError):
+            compiled = partial(function.find(*first, *args), *first)
+            with suppress(NotImplementedError):  # then numba looks at them in each call
+                found[_fingerprint(args)] = compiled
+        return compiled(*args)
+
+    return call
 
 
 class Kernel:
@@ -66,11 +93,14 @@ class Kernel:
         self._found: dict[bytes, Callable[..., Any]] = {}
 
     def __call__(self, *args: Any) -> Any:  # noqa: D102
+        return self.find(*args)(*args)
+
+    def find(self, *args: Any) -> Callable[..., Any]:
+        """Returns the function for arguments of these types."""
         try:
-            function = self._found[_fingerprint(args)]
+            return self._found[_fingerprint(args)]
         except (KeyError, NotImplementedError):
-            function = self._find(args)
-        return function(*args)
+            return self._find(args)
 
     def __repr__(self) -> str:
         return f"<kernel {self.py_func.__module__}.{self.py_func.__qualname__}>"

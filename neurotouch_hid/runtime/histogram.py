@@ -14,8 +14,10 @@ class Histogram:
 
     def add(self, took_ns: int) -> None:
         """Counts one duration."""
-        shift = max(took_ns.bit_length() - 4, 0)
-        self._counts[min(8 * shift + (took_ns >> shift), CLASSES - 1)] += 1
+        # With each stage of each step: comparisons take half as long as calls of max and min.
+        shift = took_ns.bit_length() - 4
+        k = took_ns if shift < 0 else 8 * shift + (took_ns >> shift)
+        self._counts[k if k < CLASSES else -1] += 1
 
     def percentiles(self, *ranks: float) -> tuple[float, ...]:
         """Returns percentiles of the durations in ns, by up to 12 % too large.

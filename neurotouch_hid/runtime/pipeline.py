@@ -159,9 +159,10 @@ class Pipeline:
         Never in light that flickers: what is left of its events moves the markers until the next
         frame brings them back. Never without events: only the next frame shows that a hand moves.
         """
+        if not self.is_idle or self.tracker.flicker is not None or self.tracker.follows_frames:
+            return False
         seen = self.rest.detector.stats()
-        needs_frames = self.tracker.flicker is not None or self.tracker.follows_frames
-        return self.is_idle and not needs_frames and seen.n_rest > 0 and not seen.problem
+        return seen.n_rest > 0 and not seen.problem
 
     def process_frames(self, step: Step) -> None:
         """Hands over the frames of a finished step, and takes the result of earlier ones.

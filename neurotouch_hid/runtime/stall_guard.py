@@ -51,8 +51,9 @@ class StallGuard(Closing):
 
     def feed(self) -> None:
         """Reports a finished step."""
-        self._was_silent |= self._is_silent()
-        self._fed_s = _read_clock_s()
+        now_s = _read_clock_s()
+        self._was_silent |= now_s - self._fed_s >= FORGOTTEN_S
+        self._fed_s = now_s
 
     def give_up(self) -> None:
         """Sends neutral now: the source knows that no step can follow soon.

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,7 +86,7 @@ class GelWatch:
     def miss(self, t_us: int) -> None:
         """Notes that events alone show the markers; dark frames have their own reason."""
         if self.state.is_found and t_us - self._last_us >= _NO_FRAMES_US:
-            self._consider(replace(self.state, problem=GelProblem.EVENTS_ONLY), t_us)
+            self._consider(self.state, t_us, problem=GelProblem.EVENTS_ONLY)
 
     def search(
         self, frame: Frame, blobs: Blobs, lattice: Lattice | None, problem: GelProblem
@@ -138,7 +138,7 @@ class GelWatch:
         self._touch_us, self._rests, self._last_us = None, False, frame.t_us
         if self._is_due(frame.t_us, GelProblem.NONE) or not self.state.is_found:
             self._seen = self._describe(frame, blobs, blob, bend_px)
-        self._consider(replace(self._seen, problem=self._find_flaw(frame.t_us)), frame.t_us)
+        self._consider(self._seen, frame.t_us, problem=self._find_flaw(frame.t_us))
 
     def touch(self, frame: Frame, blobs: Blobs, n_found: int, displacement_px: float) -> None:
         """Notes a frame in which the gel is deformed, or not seen at all.
@@ -160,9 +160,9 @@ class GelWatch:
             self._rests = True
         gone = self._find_gone(frame, blobs, n_found)
         if gone is not None:
-            self._consider(replace(gone, is_found=False, was_found=True), frame.t_us)
+            self._consider(gone, frame.t_us, is_found=False, was_found=True)
         elif self.state.is_found:
-            self._consider(replace(self.state, problem=self._find_flaw(frame.t_us)), frame.t_us)
+            self._consider(self.state, frame.t_us, problem=self._find_flaw(frame.t_us))
 
     def _find_gone(self, frame: Frame, blobs: Blobs, n_found: int) -> GelState | None:
         """Returns what is seen instead of the gel; None if a hand may have moved its markers."""
@@ -230,9 +230,9 @@ class GelWatch:
         self._looked_us = t_us
         return True
 
-    def _consider(self, seen: GelState, t_us: int) -> None:
-        """Takes what is seen as the state, once it has lasted; good news at once."""
-        seen = replace(seen, flicker_hz=self.flicker_hz, moved_mm=self._moved_mm)
+    def _consider(self, seen: GelState, t_us: int, **changes: Any) -> None:
+        """Takes what is seen, with changes, as the state, once it lasted; good news at once."""
+        seen = replace(seen, flicker_hz=self.flicker_hz, moved_mm=self._moved_mm, **changes)
         now = self.state
         if seen == now:
             self._doubt = None

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import NOMINAL_PITCH_PX, PAPER_GEL, Gel
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
+from neurotouch_hid.process.kernel_cache import bind
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.correction import FrameCorrection
 from neurotouch_hid.tracker.flicker import Flicker, FlickerFilter
@@ -184,6 +185,7 @@ class MarkerTracker:
         self._nowhere_px = np.full((n, 2), np.nan, np.float32)
         self._nowhere_px.setflags(write=False)
         self._tracks = make_tracks(gel.neighbours, self._config)
+        self._filter = bind(kernels.filter_slice, self._tracks, self._tuning)
         self._finder = finder or BlobFinder(gel=gel)
         self._correction = FrameCorrection(self._tracks, self._tuning)
         self._second_look = SecondLook(self._tracks, self._tuning)
@@ -196,7 +198,7 @@ class MarkerTracker:
         self._n_events = self._n_anchors = self._n_gaps = 0
         self._event_us: int | None = None  # the end of the last slice with events
         self._absent = np.zeros(n, np.bool_)  # markers that the last frame at rest hid
-        self._is_unsure = False
+        self._is_unsure = self._follows_frames = False
         far_mm = np.hypot(*(gel.points_mm - gel.points_mm.mean(axis=0)).T)
         self._inner = far_mm <= far_mm.max() - gel.pitch_mm
         self._place_px = np.empty((n, 2))
@@ -215,7 +217,7 @@ class MarkerTracker:
     @property
     def follows_frames(self) -> bool:
         """True while no events come, so that frames alone show where the markers go."""
-        return bool(self._tracks.common["frames_alone"][0])
+        return self._follows_frames
 
     @property
     def is_frameless(self) -> bool:
@@ -268,7 +270,9 @@ class MarkerTracker:
         if len(packet.events):
             self._event_us = packet.t_end_us
         is_alone = self._event_us is None or packet.t_end_us - self._event_us > _EVENTLESS_US
-        self._tracks.common["frames_alone"] = is_alone
+        if is_alone is not self._follows_frames:
+            self._follows_frames = is_alone
+            self._tracks.common["frames_alone"] = is_alone
         events = self._gel.lighten_events(packet.events)
         if not (events.flags.writeable and events.flags.c_contiguous):
             events = np.array(events, EVENT_DTYPE)
@@ -283,14 +287,12 @@ class MarkerTracker:
             self._restart(packet.t_begin_us)
         n = self._gel.n_markers
         position_px, valid = np.empty((n, 2), np.float32), np.empty(n, np.bool_)
-        start, tracks, tuning = 0, self._tracks, self._tuning
+        start = 0
         for frame in packet.frames:
             until_us = min(frame.exposure_end_us, packet.t_end_us)
-            start = kernels.filter_slice(
-                events, start, until_us, tracks, tuning, position_px, valid
-            )
+            start = self._filter(events, start, until_us, position_px, valid)
             self._correct(frame, self._finder.find(frame.pixels))
-        kernels.filter_slice(events, start, packet.t_end_us, tracks, tuning, position_px, valid)
+        self._filter(events, start, packet.t_end_us, position_px, valid)
         self._end_us = packet.t_end_us
         self._n_events += len(packet.events)
         return MarkerField(packet.t_end_us, self._rest_px, position_px, valid, self._gel)
@@ -423,6 +425,7 @@ class MarkerTracker:
             spread_px = gate_px / tuning.gate_px * tuning.spread_px
             tuning = tuning._replace(gate_px=gate_px, spread_px=spread_px, search_all=True)
         self._tuning = tuning
+        self._filter = bind(kernels.filter_slice, self._tracks, tuning)
 
     def _average(self, off_px: NDArray[np.float64]) -> None:
         """Takes each marker's own error into the mean that its place at rest is at first.

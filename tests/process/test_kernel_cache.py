@@ -16,7 +16,7 @@ import pytest
 
 import neurotouch_hid
 from neurotouch_hid.messages import EVENT_DTYPE
-from neurotouch_hid.process.kernel_cache import Kernel
+from neurotouch_hid.process.kernel_cache import Kernel, bind
 from neurotouch_hid.process.kernel_files import _find_folder
 from neurotouch_hid.process.own_command import make_own_command
 from neurotouch_hid.process.processor import find_levels, read_abilities
@@ -491,3 +491,16 @@ def test_a_dtype_that_is_made_again_and_again_is_the_same_to_a_kernel():
     for _ in range(50):
         add_events(np.zeros(1, pickle.loads(pickle.dumps(EVENT_DTYPE))), net)
     assert add_events.n_variants == n_before <= 2
+
+
+def test_a_kernel_whose_first_arguments_are_given_takes_the_others_of_any_type():
+    events = np.zeros(3, EVENT_DTYPE)
+    bound = bind(add_events, events)
+    across = np.zeros((346, 260), np.float32).T
+    for net in (np.zeros((260, 346), np.float32), across, np.zeros((260, 346), np.float32)):
+        events["p"] = ~events["p"]  # what is in an array may change
+        bound(net)
+        assert net[0, 0] == (3.0 if events["p"][0] else -3.0)
+    n_before = add_events.n_variants
+    bound(across)
+    assert add_events.n_variants == n_before

@@ -239,7 +239,7 @@ def test_a_gel_without_motion_is_checked_less_often(n_events, n_checks):
     events["t"] = np.repeat(1_000 + 2_000 * np.arange(50), n_events)
     events["x"], events["y"] = REST_PX[80].round()
     field, valid = np.empty((177, 2), np.float32), np.empty(177, np.bool_)
-    kernels.filter_slice(events, 0, 100_000, tracks, TUNING, field, valid)
+    kernels.filter_slice(tracks, TUNING, events, 0, 100_000, field, valid)
     assert tracks.common["n_checks"][0] == n_checks
     checked_us = tracks.past_us[:n_checks]
     assert checked_us[0] == 2_000
@@ -318,10 +318,10 @@ def test_slices_do_not_change_what_advance_does():
     whole, cut = make_tracks(REST_PX), make_tracks(REST_PX)
     n = len(REST_PX)
     where = np.empty((n, 2), np.float32), np.empty(n, np.bool_)
-    kernels.filter_slice(events, 0, 50_000, whole, TUNING, *where)
+    kernels.filter_slice(whole, TUNING, events, 0, 50_000, *where)
     start = 0
     for until_us in (*range(1_500, 50_000, 1_500), 50_000):
-        start = kernels.filter_slice(events, start, until_us, cut, TUNING, *where)
+        start = kernels.filter_slice(cut, TUNING, events, start, until_us, *where)
     for one, other in zip((*whole.targets, *whole[2:]), (*cut.targets, *cut[2:]), strict=True):
         assert np.array_equal(one, other)
     assert np.array_equal(whole.state, cut.state)

@@ -12,6 +12,7 @@ from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, rim_win
 from neurotouch_hid.gesture.elastic.kernels.follow import CHECK_US, N_FITS, follow, locate_shown
 from neurotouch_hid.gesture.elastic.kernels.markers import measure_spread
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.process.kernel_cache import bind
 
 Floats = NDArray[np.float64]
 
@@ -274,6 +275,8 @@ class FingerTracker:
         self.gel["middle"], self.gel["sides"] = middle_mm, sides
         self.gel["inner_mm"] = sides[:, 2].min()
         self.gel["rim_mm"] = gel.rim_mm
+        records = self.state, self.fits, self.gel, self._rules
+        self._follow, self._locate_shown = bind(follow, *records), bind(locate_shown, *records)
         self._built: Floats = np.full(gel.points_mm.shape, np.inf)
         self._rest_px: NDArray[np.float32] | None = None
         self.reset()
@@ -350,7 +353,7 @@ class FingerTracker:
             Their common motion.
         """
         self._slice[0] = (noise_mm, step_us, forming, falling)
-        follow(self.state, self.fits, self.gel, self._rules, moved_px, use)
+        self._follow(moved_px, use)
         return FingerMotion._make(self._motion.item())
 
     def locate_shown(self, least: int = 1) -> Contacts:
@@ -359,7 +362,7 @@ class FingerTracker:
         Args:
             least: the least number of contacts, even if the fingers hardly move.
         """
-        return Contacts(*locate_shown(self.state, self.fits, self.gel, self._rules, least))
+        return Contacts(*self._locate_shown(least))
 
 
 def find_sides(gel: Gel) -> tuple[Floats, Floats]:

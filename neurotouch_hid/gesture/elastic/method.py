@@ -1,7 +1,6 @@
 """Recognises a gesture by fitting the fingers that cause the displacements."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,7 +76,7 @@ class ElasticMethod:
         if decision.kind is GestureKind.NONE:
             if motion.largest_mm < fingers.config.least_mm:
                 self.reset()
-            return replace(no_gesture(t_us), confidence=decision.confidence)
+            return no_gesture(t_us, decision.confidence)
         # A pinch, zoom or twist needs two fingers, though one of them may keep still.
         contacts = fingers.locate_shown(1 if decision.kind is GestureKind.PUSH else 2)
         return Gesture(

@@ -92,7 +92,8 @@ class InputConditioner:
         self._notches = [Notch(hz) for _ in range(3)] if hz is not None else []
         self._watch = TremorWatch(hz) if hz is not None else None
         self._unused = frozenset(user.unused)
-        self._bound = frozenset(kind for kind in bound if self._is_made(kind))
+        self._made = frozenset(kind for kind in GestureKind if self._is_made(kind))
+        self._bound = bound & self._made
         self._latch = latch
         self._watches_onset = GestureKind.PUSH in self._bound and len(self._bound) > 1
         self._t_us: int | None = None
@@ -130,12 +131,11 @@ class InputConditioner:
         if self._watch is not None:
             mm, x, y = self._take_out(self._watch, (mm, x, y), step_us)
         if self._filters:
-            mm, x, y = (
-                smooth.update(value, step_us)
-                for smooth, value in zip(self._filters, (mm, x, y), strict=True)
-            )
+            of_mm, of_x, of_y = self._filters
+            mm = of_mm.update(mm, step_us)
+            x, y = of_x.update(x, step_us), of_y.update(y, step_us)
         seen, kind = kind, self._memory.kind or kind
-        if not self._is_made(kind):
+        if kind not in self._made:
             return ConditionedGesture(gesture.t_us)
         if seen == GestureKind.PUSH:
             self._memory.way = _find_way(x, y)

@@ -28,7 +28,16 @@ class OneEuro:
     not open the filter, and steps of time are held within 1 to 50 ms.
     """
 
-    __slots__ = ("_beta", "_derivative_cutoff_hz", "_min_cutoff_hz", "_speed", "_value")
+    __slots__ = (
+        "_beta",
+        "_derivative_cutoff_hz",
+        "_min_cutoff_hz",
+        "_speed",
+        "_speed_share",
+        "_step_s",
+        "_step_us",
+        "_value",
+    )
 
     def __init__(self, min_cutoff_hz: float, beta: float, derivative_cutoff_hz: float) -> None:
         self._min_cutoff_hz = min_cutoff_hz
@@ -36,6 +45,7 @@ class OneEuro:
         self._derivative_cutoff_hz = derivative_cutoff_hz
         self._value: float | None = None
         self._speed = 0.0
+        self._set_step(MIN_STEP_US)
 
     def reset(self, to: float | None = None) -> None:
         """Starts again, at ``to`` or at the next value."""
@@ -47,12 +57,18 @@ class OneEuro:
         if self._value is None:
             self._value = value
             return value
-        step_s = min(max(step_us, MIN_STEP_US), MAX_STEP_US) * 1e-6
-        speed = (value - self._value) / step_s
-        self._speed += _share(self._derivative_cutoff_hz, step_s) * (speed - self._speed)
+        if step_us != self._step_us:
+            self._set_step(step_us)
+        step_s, change = self._step_s, value - self._value
+        self._speed += self._speed_share * (change / step_s - self._speed)
         cutoff_hz = self._min_cutoff_hz + self._beta * abs(self._speed)
-        self._value += _share(cutoff_hz, step_s) * (value - self._value)
+        self._value += _share(cutoff_hz, step_s) * change
         return self._value
+
+    def _set_step(self, step_us: int) -> None:
+        self._step_us = step_us
+        self._step_s = min(max(step_us, MIN_STEP_US), MAX_STEP_US) * 1e-6
+        self._speed_share = _share(self._derivative_cutoff_hz, self._step_s)
 
 
 def _share(cutoff_hz: float, step_s: float) -> float:

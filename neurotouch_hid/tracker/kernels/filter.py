@@ -221,11 +221,11 @@ def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
 
 @kernel
 def filter_slice(
+    tracks: Tracks,
+    tuning: Tuning,
     events: NDArray[np.void],
     start: int,
     until_us: int,
-    tracks: Tracks,
-    tuning: Tuning,
     position_px: NDArray[np.float32],
     valid: NDArray[np.bool_],
 ) -> int:
@@ -234,11 +234,11 @@ def filter_slice(
     All tracks are checked at multiples of ``check_us``, whatever the length of the slices.
 
     Args:
+        tracks: updated.
+        tuning: of the filter.
         events: (m,) EVENT_DTYPE.
         start: the first event.
         until_us: the end of the slice, or of an exposure in it.
-        tracks: updated.
-        tuning: of the filter.
         position_px: (n, 2) float32 px, written.
         valid: (n,) bool, written: False for lost markers, whose position is a guess.
 
