@@ -246,7 +246,7 @@ class GamepadState:
         )
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@_record()
 class Truth:
     """The true gesture at one moment, from the simulator or from a data set's label.
 

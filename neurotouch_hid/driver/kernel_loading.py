@@ -20,6 +20,9 @@ _PATIENCE_S: Final = 1.0
 _WARM_SLICES: Final = 5
 """Slices of the simulator up to its first frame."""
 
+_loaded: Final[set[tuple[str, Gel]]] = set()
+"""Methods and gels whose kernels this process has: an evaluation opens many drivers."""
+
 
 def load_kernels(
     options: DriverOptions, profile: Profile, gel: Gel, announce: Callable[[str], object]
@@ -36,7 +39,10 @@ def load_kernels(
     """
     text = "Loading (the first time compiles for this processor, half a minute) ..."
     with _notice(text, announce):
-        warm_up(Pipeline.build(profile, GestureConfig(method=options.method), gel=gel), gel)
+        if (options.method, gel) not in _loaded:
+            config = GestureConfig(method=options.method)
+            warm_up(Pipeline.build(profile, config, gel=gel), gel)
+            _loaded.add((options.method, gel))
         if find_source_kind(options.source) is SourceKind.SIMULATION:
             with open_source(options.source, speed="max", gel=gel) as first_slices:
                 for _ in islice(first_slices, _WARM_SLICES):

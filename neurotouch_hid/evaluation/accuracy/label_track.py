@@ -29,7 +29,7 @@ class LabelTrack:
         self._labels = labels
         self._times = [label.t_us for label in labels]
         self._active = [label.t_us for label in labels if label.kind is not GestureKind.NONE]
-        self._paired = (-1, [0], [0])  # a label, its points, and their partners in the next one
+        self._going = -1, np.empty((0, 2))  # a label, and how far its points go to the next one
 
     def at(self, t_us: int) -> Truth | None:
         """Returns the truth at a moment, or None before the first and after the last label.
@@ -48,12 +48,9 @@ class LabelTrack:
             return before
         after = self._labels[k + 1]
         share = (t_us - before.t_us) / (after.t_us - before.t_us)
-        points = before.contacts_px.copy()
-        if self._paired[0] != k:
-            self._paired = (k, *pair_points(before.contacts_px, after.contacts_px))
-        _, rows, columns = self._paired
-        if rows:
-            points[rows] += share * (after.contacts_px[columns] - points[rows])
+        if self._going[0] != k:
+            self._going = k, find_way(before.contacts_px, after.contacts_px)
+        points = before.contacts_px + share * self._going[1]
         intensity = before.intensity_mm + share * (after.intensity_mm - before.intensity_mm)
         return Truth(t_us, before.kind, points, intensity)
 
@@ -77,6 +74,17 @@ class LabelTrack:
         span = self._times[-1] - self._times[0]
         margin = span / max(len(self._times) - 1, 1) / 2
         return self._times[0] - margin <= t_us <= self._times[-1] + margin
+
+
+def find_way(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns how far each point of ``first``, (n, 2), goes to its partner in ``second``, (m, 2).
+
+    It is 0 for a point without one.
+    """
+    way = np.zeros_like(first)
+    rows, columns = pair_points(first, second)
+    way[rows] = second[columns] - first[rows]
+    return way
 
 
 def pair_points(

@@ -125,5 +125,7 @@ def measure_distances(
     """
     if not len(predicted) or not len(labelled):
         return np.zeros(0)
-    distance = np.linalg.norm(predicted[:, None] - labelled[None], axis=2).min(axis=1)
-    return np.sort(distance)[: len(labelled)]
+    away = predicted[:, None] - labelled
+    nearest: NDArray[np.float64] = np.sqrt((away * away).sum(axis=2)).min(axis=1)
+    nearest.sort()
+    return nearest[: len(labelled)]
