@@ -111,7 +111,9 @@ class LibusbTransport:
     def request(self, code: int, value: int, index: int, data: bytes | int) -> bytes:
         """Makes one vendor request."""
         is_read = isinstance(data, int)
-        buffer = create_string_buffer(data, data if is_read else len(data))
+        buffer = (
+            (c_char * data)() if isinstance(data, int) else create_string_buffer(data, len(data))
+        )
         n = _libusb.libusb_control_transfer(
             self._handle,
             REQUEST_IN if is_read else REQUEST_OUT,
