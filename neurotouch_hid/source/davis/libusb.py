@@ -34,6 +34,8 @@ TRANSFER_BYTES: Final = 8_192
 """A multiple of 1024, USB 3's packet, or a full packet too much would be an error. A sparse stream
 ends its transfers early; a dense one of 31 MB/s, 5 million events/s with frames, fills one in
 0.3 ms, and all of them bridge 34 ms in which Python does not come."""
+WAKE_S: Final = 60e-6
+"""The thread wakes up this time before data is needed. What has come by then is not enough."""
 DRAIN_S: Final = 5.0
 """A cancelled transfer comes back within milliseconds; Linux has lost one that takes this long."""
 
@@ -110,10 +112,8 @@ class LibusbTransport:
 
     def request(self, code: int, value: int, index: int, data: bytes | int) -> bytes:
         """Makes one vendor request."""
-        is_read = isinstance(data, int)
-        buffer = (
-            (c_char * data)() if isinstance(data, int) else create_string_buffer(data, len(data))
-        )
+        is_read, given = isinstance(data, int), bytes(data)  # so many zeros, if it is a number
+        buffer = create_string_buffer(given, len(given))
         n = _libusb.libusb_control_transfer(
             self._handle,
             REQUEST_IN if is_read else REQUEST_OUT,
@@ -121,7 +121,7 @@ class LibusbTransport:
             value,
             index,
             buffer,
-            len(buffer),
+            len(given),
             TIMEOUT_MS,
         )
         _require(n, f"asked (request 0x{code:02X}, {value}:{index})")
@@ -141,14 +141,13 @@ class LibusbTransport:
 
     def pump(self, timeout_s: float, rest_until_s: float) -> None:
         """Handles libusb's events; sleeps first, because the transfers keep arriving data."""
-        rest_s = rest_until_s - time.monotonic()
+        rest_s = rest_until_s - WAKE_S - time.monotonic()
         if rest_s > 0:
             time.sleep(rest_s)
         if not self._take_ended():  # else a request has handled their events
-            try:
-                self._handle_events(timeout_s)
-            finally:  # data from before the failure is good
-                self._take_ended()
+            self._await_transfers(timeout_s)
+        if rest_s > 0 and time.monotonic() < rest_until_s:
+            self._await_transfers(timeout_s)
         if self._gone:
             self._drain()  # some transfers may have been filled before
             raise CameraGoneError("The camera is gone.")
@@ -200,6 +199,13 @@ class LibusbTransport:
         if not result:
             self._in_flight.append(transfer)
         return result
+
+    def _await_transfers(self, timeout_s: float) -> None:
+        """Waits until a transfer ends, unless one has ended, and takes all that have."""
+        try:
+            self._handle_events(timeout_s)
+        finally:  # data from before the failure is good
+            self._take_ended()
 
     def _handle_events(self, timeout_s: float) -> None:
         self._wait.tv_usec = round(1e6 * timeout_s)

@@ -419,5 +419,7 @@ def _draw(
 
 @kernel
 def _find_light(before: int, value: int) -> int:
+    """Returns a pixel's grey value from its values before and after the exposure."""
     light = WHITE if before < TOO_BRIGHT or value == 0 else max(before - value, 0)
-    return min(255, (light + 3) >> 2)  # as the vendor's library rounds
+    drawn: int = min(255, (light + 3) >> 2)  # as the vendor's library rounds
+    return drawn
