@@ -353,7 +353,7 @@ def _take_samples(
     if layout.mirrored:
         x, x_step = layout.width_px - 1 - x, -x_step
     at = (y + row * y_step) * layout.width_px + x + row * x_step
-    n = _count_samples(words, i)
+    n: int = _count_samples(words, i)
     n_fit = min(n, n_rows - row) if column < n_columns else 0
     if is_read and n_fit > 0:
         samples, step = words[i : i + n_fit], x_step + y_step * layout.width_px
@@ -421,5 +421,4 @@ def _draw(
 def _find_light(before: int, value: int) -> int:
     """Returns a pixel's grey value from its values before and after the exposure."""
     light = WHITE if before < TOO_BRIGHT or value == 0 else max(before - value, 0)
-    drawn: int = min(255, (light + 3) >> 2)  # as the vendor's library rounds
-    return drawn
+    return min(255, (light + 3) >> 2)  # as the vendor's library rounds
