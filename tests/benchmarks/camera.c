@@ -107,9 +107,11 @@ static int complete(int status)
     t->status = status;
     transfers++;
     t->actual_length = status ? 0 : take(t->buffer, t->length);
-    leave();
-    t->callback(t);
-    enter();
+    if (t->callback) {
+        leave();
+        t->callback(t);
+        enter();
+    }
     return 1;
 }
 

@@ -2,11 +2,6 @@
 
 import subprocess
 import sys
-import weakref
-
-import pytest
-
-from neurotouch_hid.process.finalizers import skip_finalizers
 
 PREPARED = "from neurotouch_hid.process.startup import *; "
 
@@ -79,24 +74,3 @@ def test_pydantic_looks_for_plugins_unless_it_is_hastened():
     disabled = PREPARED + "leave_out_pydantic_plugins(); "
     assert say(looked, disabled) == "True", "pydantic no longer looks: hasten_pydantic may go"
     assert say(looked, disabled + "hasten_pydantic(); ") == "False"
-
-
-def test_finalizers_of_a_module_are_skipped_and_no_others():
-    mine = type("Mine", (), {"__module__": "here"})()
-    other = type("Other", (), {"__module__": "elsewhere"})()
-    ends = weakref.finalize(mine, str), weakref.finalize(other, str)
-    skip_finalizers("here")
-    assert [end.atexit for end in ends] == [False, True]
-    for end in ends:
-        end.detach()
-
-
-def test_usb1_would_wait_at_the_end():
-    usb1 = pytest.importorskip("usb1")
-    with usb1.USBContext() as context:
-        waits = [
-            each
-            for each in list(weakref.finalize._registry)
-            if each.alive and each.atexit and each.peek()[0] is context
-        ]
-        assert waits, "usb1 finalizes nothing at the end: skip_finalizers may go"

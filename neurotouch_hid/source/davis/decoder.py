@@ -1,6 +1,6 @@
 """Decodes the camera's bytes, cut anywhere, into events and frames."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,7 @@ from neurotouch_hid.source.davis.kernels.decode import (
 from neurotouch_hid.source.davis.mosaic import Mosaic
 
 
-@dataclass(frozen=True, slots=True)
-class DecoderStats:
+class DecoderStats(NamedTuple):
     """Malformed data so far, counted in words unless stated otherwise.
 
     Attributes:
@@ -73,6 +72,7 @@ class Decoder:
         self._state["is_synced"] = synced
         self._state["origin_us"] = self._state["now_us"] = origin_us
         self._state["y"], self._state["kind"] = -1, BETWEEN_COLUMNS
+        self._now_us, self._is_synced = self._state["now_us"], self._state["is_synced"]  # views
         self._counters = np.zeros(1, COUNTERS_DTYPE)
         shape = (self._layout.height_px, self._layout.width_px)
         self._reset = np.zeros(shape, np.int16)
@@ -84,16 +84,16 @@ class Decoder:
     @property
     def is_synced(self) -> bool:
         """True once the camera's clock is known."""
-        return bool(self._state["is_synced"][0])
+        return bool(self._is_synced.item())
 
     @property
     def now_us(self) -> int:
         """The time of the last word; all later events are not older."""
-        return int(self._state["now_us"][0])
+        return int(self._now_us.item())
 
     def stats(self) -> DecoderStats:
         """Returns counts of malformed data so far."""
-        return DecoderStats(*self._counters[0].item())
+        return DecoderStats(*self._counters.item())
 
     def decode(self, data: bytes) -> tuple[NDArray[np.void], list[Frame]]:
         """Returns the events and frames in the next bytes of the stream.

@@ -22,13 +22,9 @@ from neurotouch_hid.source.slicer import Slicer
 
 PUMP_S: Final = 0.05
 """The longest time until the end of the stream is noticed."""
-AWAKE_US: Final = 600
-"""Time before the end of a slice in which data is read as it arrives. Earlier data waits until
-then, because waking up for each transfer takes half as much processor time again. This time is
-enough to read the waiting data, in 0.4 ms at 5 million events/s, even if the thread wakes late."""
-AWAKE_SHARE: Final = 16
-"""The same for a slice without a partial slice: this part of its length, only to wake up. All its
-data may come in one read."""
+PARTIAL_US: Final = 600
+"""Time before the end of a slice at which its partial slice is due. It is enough to read the
+waiting data, in 0.4 ms at 5 million events/s, even if the thread wakes late."""
 MAX_PARTIAL_EVENTS: Final = 8_000
 """Largest number of events in a partial slice: at 4 ms, 2 million events/s. Copying more would
 delay the slice by as much as the pipeline gains."""
@@ -127,7 +123,7 @@ class Stream:
             self._check(looked_s)
             if self.end_us > end_us:  # a slice: its last word has just come
                 self._pace_camera(now_s)
-                rest_until_s = now_s + self._find_rest_s()
+            rest_until_s = now_s + self._find_rest_s()
             if now_s - asked_s >= COUNT_S:
                 asked_s = now_s
                 self._count_dropped()
@@ -167,13 +163,20 @@ class Stream:
         self._is_idle, self._paced_s = may_idle, now_s
 
     def _find_rest_s(self) -> float:
-        """Returns how long after the last word no data is needed, in seconds."""
+        """Returns how long after the last word no data is needed, in seconds.
+
+        Reading each transfer as it comes would take half as much processor time again.
+        """
         if self._is_idle:
             return 1e-6 * CALM_REST_US
-        length_us = self._slicer.length_us
-        left_us = self.end_us + length_us - self._decoder.now_us
-        awake_us = AWAKE_US if length_us >= SHORTEST_US else length_us // AWAKE_SHARE
-        return 1e-6 * min(left_us - awake_us, MOST_REST_US)
+        left_us = self.end_us + self._slicer.length_us - self._decoder.now_us
+        if self._has_partial():
+            left_us -= PARTIAL_US
+        return 1e-6 * min(left_us, MOST_REST_US)
+
+    def _has_partial(self) -> bool:
+        """Returns whether a partial slice will come before the next slice."""
+        return self._partial_us != self.end_us and self._slicer.length_us >= SHORTEST_US
 
     def _pump(self, rest_until_s: float) -> None:
         try:
@@ -219,16 +222,12 @@ class Stream:
 
     def _deliver_partial(self) -> None:
         """Delivers one partial slice for each slice, once its end is near."""
-        now_us, length_us = self._decoder.now_us, self._slicer.length_us
-        if (
-            self._partial_us == self.end_us
-            or now_us < self.end_us + length_us - AWAKE_US
-            or length_us < SHORTEST_US
-        ):
+        now_us = self._decoder.now_us
+        if now_us < self.end_us + self._slicer.length_us - PARTIAL_US or not self._has_partial():
             return
+        self._partial_us = self.end_us
         partial = self._slicer.partial(now_us, MAX_PARTIAL_EVENTS)
         if partial is not None:
-            self._partial_us = self.end_us
             self._put(replace(partial, gap=self._gap))
 
     def _check(self, looked_s: float) -> None:

@@ -42,7 +42,7 @@ class Transport(Protocol):
         Args:
             timeout_s: how long to wait.
             rest_until_s: no data is needed before this time of ``time.monotonic``; a transport that
-                loses nothing meanwhile may sleep.
+                loses nothing meanwhile may sleep, and then wait for later data.
 
         Raises:
             CameraGoneError: the camera is gone.

@@ -2,7 +2,6 @@
 
 import contextlib
 import logging
-import operator
 import threading
 import time
 from dataclasses import replace
@@ -21,7 +20,7 @@ from neurotouch_hid.source import PolledSource
 from neurotouch_hid.source.camera_source import RETRY_S, PatientWatch
 from neurotouch_hid.source.davis import Biases, DavisConfig, DavisSource, Roi
 from neurotouch_hid.source.davis.registers import CoarseFine
-from neurotouch_hid.source.davis.stream import AWAKE_SHARE, AWAKE_US, IDLE_FRAME_S, MAX_FAULTS
+from neurotouch_hid.source.davis.stream import IDLE_FRAME_S, MAX_FAULTS, PARTIAL_US
 from neurotouch_hid.source.davis.transport import StreamHaltedError
 from neurotouch_hid.source.davis.usb import Usb
 from tests.source.davis.camera import INFO, ScriptedCamera, gone, make_events
@@ -85,18 +84,19 @@ def test_a_quiet_camera_gives_empty_slices_by_its_wraps():
     assert not times(packets)
 
 
-def test_after_a_slice_data_may_wait_until_the_next_one_is_near():
+def test_data_may_wait_until_the_partial_slice_is_due_and_then_until_the_end():
     camera = ScriptedCamera()
-    camera.at_reset.append([make_events(0, 3), make_events(3, 5), make_events(5, 7)])
-    with open_camera(camera, slice_us=4_000) as source:
+    pieces = [(0, 3), (3, 6), (6, 8), (8, 9)]  # ms; the slices end at 4.25 and 8.5 ms
+    camera.at_reset.append([make_events(*piece) for piece in pieces])
+    with open_camera(camera, slice_us=4_250) as source:
         take(source, 1)
-        while len(camera.rests) < 5:
+        while len(camera.rests) < 6:
             time.sleep(0.001)
-    begins_s, untils_s = zip(*camera.rests[:5], strict=True)
-    assert all(map(operator.le, untils_s[:3], begins_s))  # the reset, 0 to 2 ms, 3 to 4 ms
-    rest_s = 1e-6 * (8_000 - 4_001 - AWAKE_US)  # from when the slice was complete
-    assert begins_s[2] + rest_s <= untils_s[3] <= begins_s[3] + rest_s
-    assert untils_s[4] == untils_s[3]  # 5 to 6 ms: no slice
+    begins_s, untils_s = zip(*camera.rests[:6], strict=True)
+    due_us = 8_500 - PARTIAL_US
+    rests_s = [1e-6 * us for us in (due_us - 5_001, due_us - 7_001, 8_500 - 8_001)]
+    for k, rest_s in enumerate(rests_s, start=3):
+        assert begins_s[k - 1] + rest_s <= untils_s[k] <= begins_s[k] + rest_s
 
 
 def test_data_of_a_short_slice_waits_until_its_end():
@@ -107,7 +107,7 @@ def test_data_of_a_short_slice_waits_until_its_end():
         while len(camera.rests) < 3:
             time.sleep(0.001)
     begins_s, untils_s = zip(*camera.rests[:3], strict=True)
-    rest_s = 1e-6 * (2_000 - 1_001 - 1_000 // AWAKE_SHARE)
+    rest_s = 1e-6 * (2_000 - 1_001)
     assert begins_s[1] + rest_s <= untils_s[2] <= begins_s[2] + rest_s
 
 
