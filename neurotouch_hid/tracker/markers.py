@@ -332,7 +332,7 @@ class MarkerTracker:
             self._correction.apply(frame, blobs)
             return
         # A camera that has no new picture in time may send the last one again.
-        if self._last_pixels is None or not np.array_equal(frame.pixels, self._last_pixels):
+        if self._last_pixels is None or frame.pixels.data != self._last_pixels.data:
             self._second_look.remember()
             self._correction.follow(frame, blobs)
             self._judge(frame.t_us, blobs)
