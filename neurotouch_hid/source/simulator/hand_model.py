@@ -8,10 +8,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.ipc import read_object
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator.gel.motion import KNOT_US
-from neurotouch_hid.source.simulator.script import Finger
+from neurotouch_hid.source.simulator.script import FINGERTIP_RADIUS_MM, Finger
 
 PUSH_MM: Final = 18.0  # the largest displacement in the paper's recordings
 REACH_MM: Final = 22.0  # from the middle of the gel to where fingers are laid
@@ -21,6 +22,7 @@ CLOSED_MM, OPEN_MM = (
     8.0,
     13.0,
 )  # from the middle of a hand to its fingers, before they open or close
+CLOSEST_MM: Final = 3.0  # fingers that close stay so far from the middle of the hand
 PRESS_MM: Final = 1.5
 TOUCH_S: Final = 0.04
 SPEED_MM_S: Final = 210.0  # the quickest motion in the paper's recordings
@@ -106,6 +108,11 @@ def read_hand_command(text: bytes) -> HandCommand | None:
 class GuidedGrasp:
     """Moves simulated fingers as the commands ask, from touch to release.
 
+    Args:
+        command: the command that lays them down.
+        reach_mm: fingers are laid no farther from the middle of the gel.
+        lie: see the attribute.
+
     Attributes:
         kind: their gesture.
         fingers: the fingers, with their contacts at touch-down.
@@ -113,12 +120,12 @@ class GuidedGrasp:
         lie: how much the other fingers of a resting hand rest on the gel, 0 to 1.
     """
 
-    def __init__(self, command: HandCommand, lie: float = 0.0) -> None:
+    def __init__(self, command: HandCommand, reach_mm: float, lie: float = 0.0) -> None:
         self.command = command
         self.kind = _find_kind(command)
-        self._middle = np.array([command.x_mm, command.y_mm])
-        self._own = _lay_fingers(command) if command.down else np.empty((0, 2))
-        laid = [*map(tuple, self._own.tolist()), *(RESTING_MM if command.resting or lie else ())]
+        self._middle, self._own = _lay_fingers(command, reach_mm)
+        resting = RESTING_MM if command.resting or lie else ()
+        laid = [*self._own.tolist(), *(_pull_in(np.array(at), reach_mm).tolist() for at in resting)]
         self.fingers = tuple(Finger((x, y), press_mm=PRESS_MM) for x, y in laid)
         self._n_resting = len(laid) - len(self._own)
         self._push = np.zeros(2)
@@ -145,7 +152,9 @@ class GuidedGrasp:
             return not self.command.down
         if not self.command.down:
             return False
-        near = math.dist((command.x_mm, command.y_mm), self._middle) <= NEW_PLACE_MM
+        before = self.command
+        way_mm = math.hypot(command.x_mm - before.x_mm, command.y_mm - before.y_mm)
+        near = way_mm <= NEW_PLACE_MM
         enough = len(self._own) > 1 or not command.has_two_fingers
         return near and enough
 
@@ -160,6 +169,9 @@ class GuidedGrasp:
         spread = command.spread_mm if down else 0.0
         if spread > 0.0:
             spread *= 1.0 - command.weak_zoom
+        elif len(self._own) > 1:
+            away = float(np.hypot(*(self._own[0] - self._middle)))
+            spread = max(spread, min(CLOSEST_MM - away, 0.0))
         self._spread = _approach(self._spread, spread, mm)
         self._twist = _approach(self._twist, command.twist_rad if down else 0.0, rad)
         self._touch = _approach(self._touch, 1.0 if down else 0.0, _STEP_S / TOUCH_S)
@@ -197,6 +209,7 @@ class GuidedHand:
     Args:
         ask: returns a new command, or None; called once a knot, must not wait.
         notice: called with each command, and the sensor time at which it reaches the gel.
+        gel: what it presses; whole fingertips are laid on it.
     """
 
     name = "mouse"
@@ -204,9 +217,13 @@ class GuidedHand:
     endless = True
 
     def __init__(
-        self, ask: Callable[[], HandCommand | None], notice: Callable[[HandCommand, int], None]
+        self,
+        ask: Callable[[], HandCommand | None],
+        notice: Callable[[HandCommand, int], None],
+        gel: Gel = PAPER_GEL,
     ) -> None:
         self._ask, self._notice = ask, notice
+        self._reach_mm = max(gel.rim_mm - FINGERTIP_RADIUS_MM, 0.0)
         self._command = HandCommand()
         self._silent = 0
         self._grasp: GuidedGrasp | None = None
@@ -224,9 +241,9 @@ class GuidedHand:
         grasp = self._grasp
         if grasp is None:
             if self._command.down or self._command.resting:
-                grasp = GuidedGrasp(self._command)
+                grasp = GuidedGrasp(self._command, self._reach_mm)
         elif grasp.is_lifted and not grasp.fits(self._command):
-            grasp = GuidedGrasp(self._command, grasp.lie)
+            grasp = GuidedGrasp(self._command, self._reach_mm, grasp.lie)
         if grasp is not None:
             grasp.follow(self._command, t_us)
             if grasp.is_over and not self._command.down:
@@ -245,14 +262,26 @@ def _find_kind(command: HandCommand) -> GestureKind:
     return GestureKind.PUSH
 
 
-def _lay_fingers(command: HandCommand) -> NDArray[np.float64]:
-    """Returns where the fingers touch, (k, 2) mm."""
-    middle = np.array([[command.x_mm, command.y_mm]])
+def _lay_fingers(
+    command: HandCommand, reach_mm: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Returns the middle of the hand (2,) and where its fingers touch (k, 2), mm."""
+    at = np.array([command.x_mm, command.y_mm])
+    if not command.down:
+        return at, np.empty((0, 2))
     if not command.has_two_fingers:
-        return middle
-    away = CLOSED_MM if command.spread_mm > 0.0 else OPEN_MM
+        middle = _pull_in(at, reach_mm)
+        return middle, middle[None]
+    away = min(CLOSED_MM if command.spread_mm > 0.0 else OPEN_MM, reach_mm)
     way = np.array([math.cos(0.3), math.sin(0.3)])
-    return middle + away * np.array([way, -way])
+    middle = _pull_in(at, reach_mm - away)
+    return middle, middle + away * np.array([way, -way])
+
+
+def _pull_in(at_mm: NDArray[np.float64], reach_mm: float) -> NDArray[np.float64]:
+    """Returns a place (2,) mm, moved to the middle of the gel as far as it is out of reach."""
+    far_mm = float(np.hypot(*at_mm))
+    return at_mm if far_mm <= reach_mm else at_mm * (reach_mm / far_mm)
 
 
 def _approach(value: float, wanted: float, most: float) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
+from neurotouch_hid.tracker.kernels.areas import find_usual_area
 from neurotouch_hid.tracker.kernels.correction import GATE_PX, MAX_AREA_RATIO, MAX_MISSED
 from neurotouch_hid.tracker.kernels.matching import match_points
 from neurotouch_hid.tracker.kernels.neighbours import (
@@ -63,16 +64,6 @@ def _match_free(
 
 
 @kernel
-def _measure_areas(begin: NDArray[np.int32], n: int) -> tuple[NDArray[np.float64], float]:
-    """Returns the area of each blob, (m,) float64 px, and that of one of n markers usually."""
-    m = len(begin) - 1
-    area = np.empty(m, np.float64)
-    for j in range(m):
-        area[j] = begin[j + 1] - begin[j]
-    return area, np.median(np.sort(area)[max(m - n, 0) :])  # specks of noise are smaller
-
-
-@kernel
 def pair_blobs(
     expected_px: NDArray[np.float64],
     points_px: NDArray[np.float64],
@@ -101,8 +92,10 @@ def pair_blobs(
         place_px: (n, 2) float64 px, written: the blob, or the place that the neighbours give.
     """
     n = len(expected_px)
-    area, usual = _measure_areas(begin, n)
-    free = area <= MAX_AREA_RATIO * usual  # a larger one contains two markers
+    most = MAX_AREA_RATIO * find_usual_area(begin, n)
+    free = np.empty(len(points_px), np.bool_)
+    for j in range(len(free)):
+        free[j] = begin[j + 1] - begin[j] <= most  # a larger one contains two markers
     blob[:] = NO_BLOB
     seen, stray = np.zeros(n, np.bool_), np.empty(n, np.bool_)
     near_px, spread_px = expected_px.copy(), np.empty(n)
@@ -198,10 +191,10 @@ def _leave_specks(
         place_px: (n, 2) float64 px, updated.
     """
     n, rest_px = len(place_px), tracks.rest_px
-    area, usual = _measure_areas(begin, n)
+    least = SPECK_SHARE * find_usual_area(begin, n)
     whole, n_specks = np.empty(n, np.bool_), 0
     for i in range(n):
-        whole[i] = blob[i] >= 0 and area[blob[i]] >= SPECK_SHARE * usual
+        whole[i] = blob[i] >= 0 and begin[blob[i] + 1] - begin[blob[i]] >= least
         n_specks += blob[i] >= 0 and not whole[i]
     if not n_specks:
         return

@@ -9,7 +9,7 @@ from neurotouch_hid.process.kernel_cache import kernel
 
 
 @kernel
-def _sort_by_row(
+def sort_by_row(
     points_px: NDArray[np.float64],
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], float]:
     """Returns the points in order of rows of 1 px.
@@ -38,6 +38,21 @@ def _sort_by_row(
 
 
 @kernel
+def find_rows(above_px: float, below_px: float, begin: NDArray[np.int32]) -> tuple[int, int]:
+    """Returns which part of the order lies in some rows, see ``sort_by_row``: first, and end.
+
+    Args:
+        above_px: of the first row, from the top of row 0.
+        below_px: of the last row, likewise.
+        begin: (rows + 1,) int32.
+    """
+    n_rows = len(begin) - 1
+    if below_px >= 0.0 and above_px < n_rows:
+        return begin[int(max(above_px, 0.0))], begin[int(min(below_px, n_rows - 1.0)) + 1]
+    return 0, 0  # also where a point has no place
+
+
+@kernel
 def match_points(
     targets_px: NDArray[np.float64],
     points_px: NDArray[np.float64],
@@ -61,15 +76,11 @@ def match_points(
     gate_px2, reach_px = gate_px * gate_px, 2.0 * gate_px
     near_px2 = np.full(m, gate_px2)
     nearest_px2 = np.empty(n)
-    by_row, begin, top = _sort_by_row(points_px)
-    n_rows = len(begin) - 1
+    by_row, begin, top = sort_by_row(points_px)
     for i in range(n):
         best, best_px2, second_px2 = -1, np.inf, 4.0 * gate_px2
         x, y = targets_px[i, 0], targets_px[i, 1]
-        above, below = y - reach_px - top, y + reach_px - top
-        first, last = 0, 0
-        if below >= 0.0 and above < n_rows:
-            first, last = begin[int(max(above, 0.0))], begin[int(min(below, n_rows - 1.0)) + 1]
+        first, last = find_rows(y - reach_px - top, y + reach_px - top, begin)
         for k in range(first, last):
             j = by_row[k]
             dx, dy = points_px[j, 0] - x, points_px[j, 1] - y
@@ -110,15 +121,11 @@ def pair_nearest(
     """
     n, m = len(sites_px), len(points_px)
     site, site_px = np.full(m, -1, np.intp), np.full(m, np.inf)  # the nearest of each point
-    by_row, begin, top = _sort_by_row(points_px)
-    n_rows = len(begin) - 1
+    by_row, begin, top = sort_by_row(points_px)
     for i in range(n):
         best, best_px = -1, np.inf
         x, y = sites_px[i, 0], sites_px[i, 1]
-        above, below = y - gate_px - top, y + gate_px - top
-        first, last = 0, 0
-        if below >= 0.0 and above < n_rows:
-            first, last = begin[int(max(above, 0.0))], begin[int(min(below, n_rows - 1.0)) + 1]
+        first, last = find_rows(y - gate_px - top, y + gate_px - top, begin)
         for k in range(first, last):
             j = by_row[k]
             px = math.hypot(points_px[j, 0] - x, points_px[j, 1] - y)

@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
+from neurotouch_hid.tracker.kernels.areas import find_usual_area
 from neurotouch_hid.tracker.kernels.correction import MAX_AREA_RATIO
+from neurotouch_hid.tracker.kernels.matching import find_rows, sort_by_row
 
 LEAST_AREA_RATIO = 0.35  # to the usual area; a smaller blob is a speck
 TAKEN_PX = 2.0  # a track is up to so far off its own dot, where it trusts its neighbours more
@@ -40,10 +42,7 @@ def count_unexplained(
         amid the gel that no track has.
     """
     n, m = len(place_px), len(points_px)
-    area = np.empty(m, np.float64)
-    for j in range(m):
-        area[j] = begin[j + 1] - begin[j]
-    usual = np.median(np.sort(area)[max(m - n, 0) :]) if m else 0.0
+    usual = find_usual_area(begin, n)
     most, least = MAX_AREA_RATIO * usual, LEAST_AREA_RATIO * usual
     n_markers, n_dots = 0, 0
     for i in range(n):
@@ -55,19 +54,29 @@ def count_unexplained(
                 dx, dy = place_px[k, 0] - place_px[i, 0], place_px[k, 1] - place_px[i, 1]
                 near_px2 = min(near_px2, dx * dx + dy * dy)
         for j in range(m):
-            if area[j] > most:
+            if begin[j + 1] - begin[j] > most:
                 dx, dy = points_px[j, 0] - place_px[i, 0], points_px[j, 1] - place_px[i, 1]
                 near_px2 = min(near_px2, dx * dx + dy * dy)
         n_markers += near_px2 > MERGED_PX * MERGED_PX
+    by_row, row_begin, top = sort_by_row(place_px)
     for j in range(m):
-        if not least <= area[j] <= most:
+        if not least <= begin[j + 1] - begin[j] <= most:
             continue
+        x, y = points_px[j, 0], points_px[j, 1]
+        first, last = find_rows(y - TAKEN_PX - top, y + TAKEN_PX - top, row_begin)
         nearest, near_px2 = 0, np.inf
-        for i in range(n):
-            dx, dy = points_px[j, 0] - place_px[i, 0], points_px[j, 1] - place_px[i, 1]
+        for k in range(first, last):
+            i = by_row[k]
+            dx, dy = x - place_px[i, 0], y - place_px[i, 1]
             px2 = dx * dx + dy * dy
             if px2 < near_px2 or (px2 == near_px2 and seen[i]):
                 nearest, near_px2 = i, px2
-        is_taken = seen[nearest] and near_px2 <= TAKEN_PX * TAKEN_PX
-        n_dots += inner[nearest] and not is_taken
+        if near_px2 <= TAKEN_PX * TAKEN_PX:
+            n_dots += inner[nearest] and not seen[nearest]
+            continue
+        for i in range(n):
+            dx, dy = x - place_px[i, 0], y - place_px[i, 1]
+            if dx * dx + dy * dy < near_px2:
+                nearest, near_px2 = i, dx * dx + dy * dy
+        n_dots += inner[nearest]
     return n_markers, n_dots

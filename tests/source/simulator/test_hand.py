@@ -15,6 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from neurotouch_hid.geometry import PAPER_GEL, make_gel, place_square
 from neurotouch_hid.ipc import HAND, connect_to
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.mouse_gel import MouseSource
@@ -28,15 +29,16 @@ from neurotouch_hid.source.simulator.hand_model import (
     HandCommand,
     read_hand_command,
 )
+from neurotouch_hid.source.simulator.script import FINGERTIP_RADIUS_MM
 
 
 class Leader:
     """Leads a hand knot by knot."""
 
-    def __init__(self):
+    def __init__(self, gel=PAPER_GEL):
         self.wish = None
         self.noticed = []
-        self.hand = GuidedHand(self._ask, lambda wish, t_us: self.noticed.append((wish, t_us)))
+        self.hand = GuidedHand(self._ask, lambda wish, t_us: self.noticed.append((wish, t_us)), gel)
         self._t_us = 0
 
     def lead(self, n, **wish):
@@ -89,6 +91,28 @@ def test_two_fingers_open_close_and_turn(wish, kind):
     assert grown == pytest.approx(2 * wish.get("spread_mm", 0.0), abs=1e-6)
     turned = np.angle(complex(*(after[0] - after[1])) / complex(*(places[0] - places[1])))
     assert turned == pytest.approx(wish.get("twist_rad", 0.0))
+
+
+@pytest.mark.parametrize("radius_mm", [8.0, 12.0, 20.0, 30.0])
+@pytest.mark.parametrize("wish", [{}, {"spread_mm": 5.0}, {"spread_mm": -10.0}, {"twist_rad": 0.4}])
+def test_fingers_are_laid_on_a_gel_of_any_size(wish, radius_mm):
+    gel = make_gel("g", place_square(2.5, radius_mm), pitch_mm=2.5, radius_mm=radius_mm, dot_mm=0.7)
+    for at_mm in ((22.0, 0.0), (-22.0, 22.0), (1.0, -22.0)):
+        x_mm, y_mm = at_mm
+        leader = Leader(gel)
+        hold, state = leader.lead(
+            40, down=True, x_mm=x_mm, y_mm=y_mm, resting=True, push_x_mm=0.5, **wish
+        )
+        laid_mm = np.array([finger.contact_mm for finger in hold.fingers])
+        far_mm = np.hypot(*laid_mm.T)
+        assert (far_mm <= gel.rim_mm - FINGERTIP_RADIUS_MM + 1e-6).all()
+        if wish:
+            before, after = (
+                np.diff(laid_mm[:2], axis=0),
+                np.diff((laid_mm + state[:, :2])[:2], axis=0),
+            )
+            assert (before * after).sum() > 0.0  # fingers that close do not cross
+        assert leader.lead(1, down=True, x_mm=x_mm, y_mm=y_mm, resting=True, **wish)[0] is hold
 
 
 def test_one_finger_is_lifted_before_two_are_laid():
