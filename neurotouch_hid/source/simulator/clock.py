@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
+from neurotouch_hid.events import copy_events
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source.simulator.setup import ClockChange
 
@@ -33,7 +34,7 @@ class Clock:
         """Returns a packet with the camera's stamps, without frames begun before a change."""
         shift_us = self._shift(packet.t_begin_us)
         since_us = self.find_last_change(packet.t_begin_us)
-        events = packet.events.copy()
+        events = copy_events(packet.events)
         events["t"] += shift_us
         frames = tuple(
             replace(

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.events import copy_events, pick_events
 from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, Frame
 from neurotouch_hid.source.simulator.config import LightConfig, SensorConfig
@@ -151,7 +152,7 @@ class Sensor:
             if exposing and stop_us - t_us + phase == self._config.exposure_us:
                 frames.append(self._take_frame(stop_us))
             t_us = stop_us
-        events = self._chip.events[: self._chip.counts["events"][0]].copy()
+        events = copy_events(self._chip.events[: self._chip.counts["events"][0]])
         return self._read_out(events, begin_us, end_us), frames
 
     def _read_out(self, events: NDArray[np.void], begin_us: int, end_us: int) -> NDArray[np.void]:
@@ -160,7 +161,7 @@ class Sensor:
         if len(events) <= most:
             return events
         rng = np.random.default_rng((self._seed, 3, begin_us))
-        return events[np.sort(rng.choice(len(events), most, replace=False))]
+        return pick_events(events, np.sort(rng.choice(len(events), most, replace=False)))
 
     def _take_frame(self, end_us: int) -> Frame:
         config = self._config

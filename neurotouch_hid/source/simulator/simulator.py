@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from neurotouch_hid.closing import Closing
+from neurotouch_hid.events import join_events
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, Truth
 from neurotouch_hid.source.simulator.clock import Clock
@@ -117,7 +118,7 @@ class Simulator(Closing):
                 parts.append(piece.events)
                 frames += piece.frames
                 made_us += KNOT_US
-            events = np.concatenate(parts)
+            events = join_events(parts)
             cut = int(np.searchsorted(events["t"], end_us))
             n_frames = sum(frame.exposure_end_us < end_us for frame in frames)
             gap, n_lost = self._sensor.n_lost - n_lost, self._sensor.n_lost

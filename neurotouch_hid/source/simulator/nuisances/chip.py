@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.events import join_events, pick_events
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX
 from neurotouch_hid.source.simulator.setup import Piece, Setup
 
@@ -65,8 +66,8 @@ def readout(setup: Setup, times: float) -> Setup:
             exposed_us = k * sensor.frame_us
             sweeps_us = (exposed_us - SWEEP_US, exposed_us + sensor.exposure_us)
             parts += [_sweep(piece, begin_us, times, rng) for begin_us in sweeps_us]
-        events = np.concatenate(parts)
-        return replace(piece, events=events[np.argsort(events["t"], kind="stable")])
+        events = join_events(parts)
+        return replace(piece, events=pick_events(events, np.argsort(events["t"], kind="stable")))
 
     return setup.plus(wires=wire)
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from neurotouch_hid.events import pick_events
 from neurotouch_hid.messages import Frame
 from neurotouch_hid.source.simulator.setup import ClockChange, Piece, Setup
 
@@ -100,7 +101,8 @@ def lost(setup: Setup, ms: float) -> Setup:
     def wire(piece: Piece) -> Piece:
         t_us = piece.events["t"] % setup.duration_us
         since = t_us - begins[np.maximum(np.searchsorted(begins, t_us, "right") - 1, 0)]
-        return replace(piece, events=piece.events[(since < 0) | (since >= 1000 * ms)])
+        came = (since < 0) | (since >= 1000 * ms)
+        return replace(piece, events=pick_events(piece.events, came))
 
     return setup.plus(wires=wire)
 
