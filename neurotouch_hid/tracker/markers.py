@@ -157,7 +157,7 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
         past_px=np.zeros((_PAST, n, 2)),
         past_us=np.full(_PAST, -1, np.int64),
         common=np.array(
-            [(0, 0, 0, _NEVER_US, _NEVER_US, 0, 0.0, False, False, 0.0, 0.0)],
+            [(0, 0, 0, _NEVER_US, _NEVER_US, 0, 0.0, 0.0, False, False, 0.0, 0.0)],
             track_kernels.COMMON,
         ),
     )
@@ -242,6 +242,7 @@ class MarkerTracker:
         self._anchored = self._anchored and not rest.is_new
         tracks, elapsed_us = self._tracks, rest.t_us - self._anchor_us
         self._n_anchors += 1
+        tracks.common["rest_noise_hz"] = tracks.common["noise_hz"]
         if rest.blur_px != self._blur_px:
             self._widen(rest.blur_px)
         if self._anchored:
