@@ -25,8 +25,9 @@ from neurotouch_hid.tracker.second_look import SecondLook
 _PAST = 64  # checks remembered: at least 128 ms, longer than exposure and delay of a frame
 _MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed, or the rig was bumped
 _MAX_OWN_PX = 1.0  # markers whose own errors are larger are others than those before
-_RIG_PX = 0.35  # the rest position follows a rig that has moved farther at once ...
-_RIG_US = 300e3  # ... or, if it has not moved far, with this time constant, because it may swing
+_RIG_PX = 0.35  # the rest position follows a rig that has moved farther with a time constant ...
+_RIG_US = 300e3  # ... of this, because it may swing ...
+_CREEP_US = 1e6  # ... and one that creeps or turns with this one, because the gel creeps back too
 _TOUCH_PX = 0.2  # a marker farther off than the rest of the gel is touched softly
 _DRIFT_US = 20e6  # time constant of the rest position: a rig drifts over minutes ...
 _TOUCH_US = 300e6  # ... but a soft touch may last long
@@ -159,7 +160,8 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
         past_px=np.zeros((_PAST, n, 2)),
         past_us=np.full(_PAST, -1, np.int64),
         common=np.array(
-            [(0, 0, 0, _NEVER_US, _NEVER_US, 0, 0.0, False, False, 0.0, 0.0)], track_kernels.COMMON
+            [(0, 0, 0, _NEVER_US, _NEVER_US, 0, 0.0, 0.0, False, False, 0.0, 0.0)],
+            track_kernels.COMMON,
         ),
     )
 
@@ -246,6 +248,7 @@ class MarkerTracker:
         self._anchored = self._anchored and not rest.is_new
         tracks, elapsed_us = self._tracks, rest.t_us - self._anchor_us
         self._n_anchors += 1
+        tracks.common["rest_noise_hz"] = tracks.common["noise_hz"]
         if rest.blur_px != self._blur_px:
             self._widen(rest.blur_px)
         if self._anchored:
@@ -404,15 +407,22 @@ class MarkerTracker:
         return int(n_vanished), int(n_strangers)
 
     def _follow_rig(self, measured_px: NDArray[np.float64], elapsed_us: int) -> None:
-        """Moves the rest position with the rig, if the rig has moved."""
+        """Moves the rest position with the rig: at once if it has moved far, else with time.
+
+        A rig that has just moved far still swings, so its place is then the mean of some frames.
+        They also show each dot through other pixels, so its own place is learnt again.
+        """
         rest_px = self._tracks.rest_px
         moved_px = np.empty_like(rest_px)
         far_px = rigid.follow_rig(rest_px, measured_px, self._all, moved_px)
         if far_px > _MAX_DRIFT_PX:
-            rest_px[:] = moved_px
-        elif far_px > _RIG_PX:
-            elapsed = min(max(elapsed_us, 0), _LONGEST_US)
-            rest_px += -math.expm1(-elapsed / _RIG_US) * (moved_px - rest_px)
+            rest_px[:], self._n_mean = moved_px, 1
+            return
+        elapsed = min(max(elapsed_us, 0), _LONGEST_US)
+        share = -math.expm1(-elapsed / (_RIG_US if far_px > _RIG_PX else _CREEP_US))
+        if self._n_mean < _MEAN_ANCHORS:
+            share = max(share, 1.0 / (self._n_mean + 1))
+        rest_px += share * (moved_px - rest_px)
 
     def _drift(self, off_px: NDArray[np.float64], elapsed_us: int) -> None:
         """Lets the rest position follow, but hardly where a soft touch looked like rest.

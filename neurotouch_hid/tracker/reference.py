@@ -14,6 +14,9 @@ from neurotouch_hid.tracker.lattice import Lattice
 
 MEAN_FRAMES = 16  # of a reference; the noise of one frame is then a quarter
 MOST_LEFT = 0.5  # of a rig's motion may be left; the light part of a touch is not that rigid
+_FOLLOW_US = 400_000  # time constant with which a reference follows a rig that creeps
+_LONGEST_US = 200_000  # longest time that one frame counts for
+_REDRAW_PX = 0.4  # as far from where they were drawn, white pixels hardly count as elsewhere
 _TURN_RATIO = 1.5  # a turn moves no marker farther than so many times the median of all
 
 
@@ -38,7 +41,7 @@ class Reference:
         self._distance_px2 = np.empty(shape, np.int32)
         self._white = np.empty(SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX, np.int32)
         self._match = np.empty(gel.n_markers, np.int32)
-        self._n_frames = 1
+        self._n_frames, self._rest_us = 1, 0
         self.move(lattice.position_px, blobs)
         self._n_moved = MEAN_FRAMES
 
@@ -46,32 +49,50 @@ class Reference:
         """Takes the same markers at other places, where the blobs of a frame show them."""
         self._n_moved = 1
         self.position_px = position_px
-        self._centre_px = position_px.mean(axis=0)
+        self._draw(blobs)
+
+    def _draw(self, blobs: Blobs) -> None:
+        """Takes the white pixels of a frame that shows the markers where they are at rest."""
+        self._drawn_px = self.position_px
+        self._centre_px = self.position_px.mean(axis=0)
         self._pixels = self._white_pixels(blobs).copy()
         self._mask.flat[self._pixels] = 1
         kernels.distance_map(self._mask, self._distance_px2)
         self._mask.flat[self._pixels] = 0
 
-    def add(self, centroid_px: NDArray[np.float64], match: NDArray[np.int32]) -> None:
-        """Takes a frame at rest into the mean, if it is one of the first.
+    def add(self, t_us: int, blobs: Blobs, match: NDArray[np.int32]) -> bool:
+        """Takes a frame at rest into the mean, and follows the rig.
 
-        One frame of a blurred or noisy picture is off by as much as a soft touch. A rig that has
-        just moved still swings a little: the mean of how far all markers are off is its place.
+        One frame of a blurred or noisy picture is off by as much as a soft touch, so each marker's
+        place is the mean of the first frames. Afterwards all of them move with the rig only: it
+        creeps and turns, and one that was bumped still swings a little. A touch that is too soft
+        to be seen hardly moves all markers rigidly.
 
         Args:
-            centroid_px: (m, 2) px, its blobs.
+            t_us: the time of the frame.
+            blobs: its blobs.
             match: (n,) int32, the blob of each marker; negative without one.
+
+        Returns:
+            True if the rig has moved by more than ``_REDRAW_PX`` since this last was so.
         """
+        elapsed_us = min(max(t_us - self._rest_us, 0), _LONGEST_US)
+        self._rest_us = t_us
+        self._n_moved += 1
         if self._n_frames < MEAN_FRAMES:
             self._n_frames += 1
             seen = (match >= 0)[:, None]
-            off_px = np.where(seen, centroid_px[match] - self.position_px, 0.0)
+            off_px = np.where(seen, blobs.centroid_px[match] - self.position_px, 0.0)
             self.position_px = self.position_px + off_px / self._n_frames
-        elif self._n_moved < MEAN_FRAMES:
-            self._n_moved += 1
-            found = match >= 0
-            off_px = centroid_px[match[found]] - self.position_px[found]
-            self.position_px = self.position_px + np.median(off_px, axis=0) / self._n_moved
+            return False
+        share = max(1.0 / self._n_moved, -math.expm1(-elapsed_us / _FOLLOW_US))
+        moved = np.empty_like(self.position_px)
+        rigid.follow_rig(self.position_px, blobs.centroid_px, match, moved)
+        self.position_px = self.position_px + share * (moved - self.position_px)
+        if np.abs(self.position_px - self._drawn_px).max() < _REDRAW_PX:
+            return False
+        self._draw(blobs)
+        return True
 
     def find_moved(
         self, blobs: Blobs, n_left_out: int, limit_px: float

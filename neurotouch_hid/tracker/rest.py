@@ -276,7 +276,8 @@ class RestDetector:
         )
         if is_rest:
             self._kept.forget()
-            reference.add(blobs.centroid_px, self._match)
+            if reference.add(frame.t_us, blobs, self._match):
+                self._note_moved(reference, frame)
         share, off_mm = n_found / reference.n_found, displacement / reference.px_per_mm
         if is_rest or self._kept.update(frame.t_us, blobs.centroid_px, share, off_mm):
             self._still.forget()
@@ -330,8 +331,11 @@ class RestDetector:
         if np.abs(moved - before).max() > _RIG_STILL_MM * reference.px_per_mm:
             return
         reference.move(moved, blobs)
-        self._watch.find(moved, reference.n_found, frame)
         self._moved_px = None
+        self._note_moved(reference, frame)
+
+    def _note_moved(self, reference: Reference, frame: Frame) -> None:
+        self._watch.find(reference.position_px, reference.n_found, frame)
         self._stats = replace(self._stats, n_references=self._stats.n_references + 1)
 
     def _settle(self, frame: Frame, blobs: Blobs, reference: Reference) -> RestField | None:

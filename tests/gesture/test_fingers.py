@@ -164,11 +164,11 @@ def test_a_knock_has_no_finger_and_a_light_touch_is_no_knock():
 def test_a_gel_that_stays_elsewhere_sways_no_more():
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)
-    bumped = np.full(PAPER_GEL.points_mm.shape, 1.4)
+    bumped = np.full(PAPER_GEL.points_mm.shape, 0.25)
     for _ in range(200):
         motion = fingers.update(bumped, SEES_ALL, 0.05, forming=True)
     assert motion.sway_mm < 0.05
-    fingers.place(REST_PX + np.float32(1.4), RIG)  # the rest position follows: nothing moves
+    fingers.place(REST_PX + np.float32(0.25), RIG)  # the rest position follows: nothing moves
     motion = fingers.update(np.zeros(PAPER_GEL.points_mm.shape), SEES_ALL, 0.05, forming=True)
     assert motion.sway_mm < 0.05
     push = bumped + field(PLACES[:1], np.array([[0.6, 0.0]]))
@@ -177,6 +177,16 @@ def test_a_gel_that_stays_elsewhere_sways_no_more():
         motion = fingers.update(push, SEES_ALL, 0.05, forming=True)
     assert motion.n_fingers == 1
     assert motion.sway_mm < 0.1
+
+
+def test_a_rig_that_has_been_bumped_sways_no_more_once_its_new_place_is_known():
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    for _ in range(25):
+        fingers.update(np.full(PAPER_GEL.points_mm.shape, 4.0), SEES_ALL, 0.05, forming=True)
+    fingers.place(REST_PX + np.float32(4.0), RIG)
+    motion = fingers.update(np.zeros(PAPER_GEL.points_mm.shape), SEES_ALL, 0.05, forming=True)
+    assert motion.sway_mm < 0.05
 
 
 def test_contacts_are_in_gel_and_image_coordinates():

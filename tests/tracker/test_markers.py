@@ -237,17 +237,34 @@ def test_after_a_long_gap_markers_are_unknown_until_the_next_anchor():
     np.testing.assert_allclose(field.rest_px, moved_px, atol=1e-4)
 
 
-def test_the_rest_position_stays_one_object_and_follows_slowly():
+def test_the_rest_position_stays_one_object_while_it_hardly_moves():
     tracker = MarkerTracker()
     tracker.anchor(RestField(0, REST_PX))
     first = tracker.update(packet(0)).rest_px
-    for k in range(1, 1500):  # 60 s
+    for k in range(1, 50):
+        tracker.anchor(RestField(k * 40_000, REST_PX + np.float32(0.08)))
+        assert tracker.update(packet(k)).rest_px is first
+    for k in range(50, 125):
         tracker.anchor(RestField(k * 40_000, REST_PX + np.float32(0.3)))
         last = tracker.update(packet(k)).rest_px
-        if k == 25:
-            assert last is first
     assert last is not first
     np.testing.assert_allclose(last, REST_PX + 0.3, atol=0.11)
+
+
+def test_after_a_bump_the_place_of_each_marker_is_learnt_again():
+    """Other pixels show the dots now, and the rig still swings by 0.3 px about its new place."""
+    own_px = np.random.default_rng(1).normal(0, 0.12, REST_PX.shape).astype(np.float32)
+    tracker = MarkerTracker()
+    for k in range(20):
+        tracker.anchor(RestField(k * 40_000, REST_PX))
+        tracker.update(packet(k))
+    for k in range(20, 40):
+        swing_px = np.float32(5.0 + 0.3 * (-1) ** k)
+        tracker.anchor(RestField(k * 40_000, REST_PX + own_px + swing_px))
+        rest_px = tracker.update(packet(k)).rest_px
+    off_px = rest_px - (REST_PX + own_px + 5.0)
+    assert np.abs(off_px.mean(axis=0)).max() < 0.1
+    assert off_px.std() < 0.06
 
 
 @pytest.mark.parametrize("px", [0.25, 0.6, 1.5])
@@ -320,6 +337,16 @@ def test_a_bumped_camera_moves_the_rest_position_at_once():
     field = tracker.update(packet(1))
     np.testing.assert_allclose(field.rest_px, REST_PX + 6.0, atol=1e-4)
     np.testing.assert_allclose(field.position_px, REST_PX + 6.0, atol=0.01)
+
+
+def test_the_rest_position_follows_a_rig_that_turns():
+    centre_px, tracker = REST_PX.mean(axis=0), MarkerTracker()
+    for k in range(250):  # 10 s, 0.5 degrees
+        turn = np.radians(0.002 * k)
+        by_px = turn * (REST_PX - centre_px)[:, ::-1] * (-1, 1)
+        tracker.anchor(RestField(k * 40_000, (REST_PX + by_px).astype(np.float32)))
+        rest_px = tracker.update(packet(k)).rest_px
+    assert np.abs(rest_px - (REST_PX + by_px)).max() < 0.15
 
 
 @pytest.mark.parametrize("bump_px", [0.0, 5.0])

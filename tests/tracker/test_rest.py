@@ -186,6 +186,21 @@ def test_what_moves_rigidly_is_the_rig_so_play_goes_on(by_mm, turn_rad, scale):
     assert detector.stats().n_references == 2
 
 
+@pytest.mark.parametrize(("creep_mm", "turn_deg"), [(0.9, 0.0), (0.3, 1.0), (2.0, 0.0)])
+def test_a_rig_that_creeps_or_turns_is_at_rest_though_dots_are_noisy(creep_mm, turn_deg):
+    rng, detector, n = np.random.default_rng(3), RestDetector(), 150
+    rests = []
+    for k in range(n):
+        centre_px = RIG.centre_px[0] + RIG.px_per_mm * creep_mm * k / n, RIG.centre_px[1]
+        rig = replace(
+            RIG, centre_px=centre_px, rotation_rad=RIG.rotation_rad + np.radians(turn_deg) * k / n
+        )
+        noise_mm = rng.normal(0.0, 0.05, PAPER_GEL.points_mm.shape)
+        rests.append(show(detector, picture(noise_mm, rig=rig, seed=k)))
+    assert sum(rest is None for rest in rests) <= 3
+    assert show(detector, picture(push(0.45), rig=rig)) is None
+
+
 @pytest.mark.parametrize("per_s", [25, 125])
 @pytest.mark.parametrize(
     ("largest_mm", "left_mm", "tremble_mm", "at_rest"),

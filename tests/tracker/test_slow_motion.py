@@ -101,3 +101,12 @@ def test_steps_are_counted_from_frame_to_frame_of_a_slow_camera(tracks):
     assert needs_steps(1_510_000, tracks)  # a gesture that ends now is not seen for 0.24 s
     note_frame(1_540_000, tracks)
     assert not needs_steps(1_550_000, tracks)
+
+
+def test_steps_are_counted_where_noise_hides_slow_motion(tracks):
+    note_frame(1_000_000, tracks)
+    note_frame(1_040_000, tracks)
+    tracks.common["noise_hz"] = 300.0  # the whole gel moves
+    assert not needs_steps(1_050_000, tracks)
+    tracks.common["rest_noise_hz"] = 150.0
+    assert needs_steps(1_050_000, tracks)

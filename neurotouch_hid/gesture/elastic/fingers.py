@@ -23,6 +23,7 @@ N_SIDES: Final = 32
 """Sides of the polygon around the dots in which fingers are."""
 
 _PLACES: Final = ("standing_x_mm", "standing_y_mm", "before_x_mm", "before_y_mm")
+_BUMP_MM: Final = 0.4  # the rest position follows so far at once, so the gel stands there now
 _MIDDLE: Final = 0.4
 _REACH_MM: Final = 8.0
 
@@ -310,8 +311,9 @@ class FingerTracker:
         )
         if self._rest_px is not None:  # where the whole gel is counts from the new rest position
             x_mm, y_mm = rig.vector_to_mm(np.nanmedian(rest_px - self._rest_px, axis=0))
+            is_bumped = math.hypot(x_mm, y_mm) > _BUMP_MM
             for name, moved_mm in zip(_PLACES, (x_mm, y_mm, x_mm, y_mm), strict=True):
-                self.state[name] -= moved_mm
+                self.state[name] = 0.0 if is_bumped else self.state[name] - moved_mm
         self._rest_px = rest_px
         points_mm = rig.to_mm(rest_px)
         gel["points"] = points_mm.T

@@ -17,6 +17,7 @@ from neurotouch_hid.tracker.kernels.neighbours import expect
 from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning
 
 RARE_US = 60_000  # between frames; at 25 frames/s each one comes sooner
+NOISY_HZ = 80.0  # events of a marker at rest; as many as it makes by a motion of 2 px/s
 REACH = 0.92  # of the gate; the edge of a marker is nearer to its middle
 MIDDLE_PX = 1.0  # events nearer to the middle tell the direction less surely
 STEPS_PER_PX = 78.0  # of a marker of usual contrast: simulated, white on black, thresholds of 0.2
@@ -31,11 +32,12 @@ MOST_PX = 5_000.0  # of motion that is remembered
 
 @kernel
 def needs_steps(t_us: int, tracks: Tracks) -> bool:
-    """Returns True if frames show the markers seldom, or no longer."""
+    """Returns True if frames show the markers seldom or no longer, or noise hides slow motion."""
     common = tracks.common[0]
     since_us = t_us - max(common.last_frame_us, common.placed_us)
-    is_rare: bool = max(since_us, common.frame_gap_us) >= RARE_US
-    return is_rare
+    is_rare = max(since_us, common.frame_gap_us) >= RARE_US
+    is_needed: bool = is_rare or common.rest_noise_hz >= NOISY_HZ
+    return is_needed
 
 
 @kernel

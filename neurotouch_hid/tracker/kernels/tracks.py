@@ -54,6 +54,7 @@ COMMON: Final = np.dtype(
         ("placed_us", "i8"),
         ("frame_gap_us", "i8"),
         ("noise_hz", "f8"),
+        ("rest_noise_hz", "f8"),
         ("frames_alone", "?"),
         ("counts_steps", "?"),
         ("learnt_px", "f8"),
@@ -70,6 +71,8 @@ COMMON: Final = np.dtype(
 - ``placed_us``: when the markers were first placed, µs.
 - ``frame_gap_us``: the time between the last two frames that showed the markers.
 - ``noise_hz``: events per second of a marker that does not move.
+- ``rest_noise_hz``: the same when a frame last showed the gel at rest. A long motion of the whole
+  gel is taken for noise.
 - ``frames_alone``: no events come; each frame moves the tracks from where the last one left them.
 - ``counts_steps``: the steps of the pixels move slow markers, because frames are rare.
 - ``learnt_px``, ``learnt_steps``: motion of markers without frames, and the steps that it took.
