@@ -128,12 +128,7 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     for i in range(n):
         rate[i] += share * (n_new[i] / dt - rate[i])
         state[i].excess_hz += share * (state[i].excess / dt - state[i].excess_hz)
-    quiet = select(rate, n // 4)  # a quarter of the gel is usually at rest
-    noise = tracks.common[0].noise_hz
-    rise_s = min(NOISE_RISE_S, dt * (tracks.common[0].n_checks + 1))  # fast at first
-    noise += (quiet - noise) * dt / (NOISE_FALL_S if quiet < noise else rise_s)
-    tracks.common[0].noise_hz = noise
-    spread_hz = tuning.n_sigma * math.sqrt(noise / (2.0 * tuning.rate_s))
+    mean_hz, mean_excess_hz, spread = np.empty(n), np.empty(n), np.empty(n)
     for i in range(n):
         total, excess, used = rate[i], state[i].excess_hz, 1
         for k in range(8):
@@ -142,11 +137,18 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
                 total += rate[j]
                 excess += state[j].excess_hz
                 used += 1
-        # The mean of several rates has a smaller spread.
-        spread = spread_hz / math.sqrt(used)
-        total, excess = total / used, excess / used
-        light = max(abs(excess) - noise - spread, 0.0)  # noise may be of one polarity
-        motion = total - noise - spread - light
+        mean_hz[i], mean_excess_hz[i], spread[i] = total / used, excess / used, 1.0 / math.sqrt(used)
+    # A quarter of the gel is usually at rest.
+    quiet = select(mean_hz if tracks.common[0].counts_steps else rate, n // 4)
+    noise = tracks.common[0].noise_hz
+    rise_s = min(NOISE_RISE_S, dt * (tracks.common[0].n_checks + 1))  # fast at first
+    noise += (quiet - noise) * dt / (NOISE_FALL_S if quiet < noise else rise_s)
+    tracks.common[0].noise_hz = noise
+    spread_hz = tuning.n_sigma * math.sqrt(noise / (2.0 * tuning.rate_s))
+    for i in range(n):
+        total, excess = mean_hz[i], mean_excess_hz[i]
+        light = max(abs(excess) - noise - spread[i] * spread_hz, 0.0)  # noise may be of one polarity
+        motion = total - noise - spread[i] * spread_hz - light
         trust = max(motion / (motion + noise) if motion > 0.0 else 0.0, MIN_TRUST)
         lit = trust * max((total - light) / max(total + light, LEAST_HZ), LEAST_LIT)
         is_on = excess > 0.0
