@@ -78,22 +78,23 @@ def tear(positions, usable, rest, neighbours, least):
     return torn
 
 
-def weigh(t, motion, count, rate, noise, neighbours, n_checks, last, tuning):
+def weigh(t, motion, count, rate, noise, neighbours, n_checks, last, tuning, *, is_rare):
     """Rates, noise, variances, leads and what the velocities' variances grow by, of all markers.
 
     ``motion`` rows vx, vy, since, lead x, y, ahead x, y, excess and its recent mean per second;
-    ``last`` is the last check. The variances are those of OFF and ON events.
+    ``last`` is the last check, ``is_rare``: frames are. The variances are of OFF and ON events.
     """
     dt = (t - last) * SECOND
     share = 1 - math.exp(-dt / tuning.rate_s)
     rate = [(1 - share) * r + share * n / dt for r, n in zip(rate, count, strict=True)]
     more = [(1 - share) * before + share * new / dt for *_, new, before in motion]
-    quiet = sorted(rate)[len(rate) // 4]
+    near = [[i, *(j for j in row if j >= 0)] for i, row in enumerate(neighbours)]
+    means = [[statistics.fmean(of[j] for j in some) for some in near] for of in (rate, more)]
+    quiet = sorted(means[0] if is_rare else rate)[len(rate) // 4]
     noise += (quiet - noise) * dt / (0.1 if quiet < noise else min(5.0, dt * (n_checks + 1)))
     r_px2, leads, growth = [], [], []
     for i, (vx, vy, since, *before, ahead_x, ahead_y, excess, _) in enumerate(motion):
-        around = [i, *(j for j in neighbours[i] if j >= 0)]
-        mean, one_way = (statistics.fmean(of[j] for j in around) for of in (rate, more))
+        around, mean, one_way = near[i], means[0][i], means[1][i]
         unsure = noise + tuning.n_sigma * math.sqrt(noise / (2 * tuning.rate_s * len(around)))
         light = max(abs(one_way) - unsure, 0.0)
         moving = max(0.0, mean - unsure - light)

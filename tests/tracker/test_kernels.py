@@ -196,9 +196,10 @@ def test_a_marker_that_follows_its_neighbour_is_not_valid():
     st.integers(0, 2**32 - 1),
     st.sampled_from([0, 30, 100_000]),
     st.sampled_from([2_000, 4_000, 8_000]),
+    st.booleans(),
 )
 @settings(max_examples=20, deadline=None)
-def test_weights_are_those_of_the_plain_twin(seed, n_checks, elapsed_us):
+def test_weights_are_those_of_the_plain_twin(seed, n_checks, elapsed_us, is_rare):
     rng = np.random.default_rng(seed)
     tracks = make_tracks(REST_PX)
     rows(tracks)[:, 2:4] = rng.normal(0, 200, (177, 2))
@@ -212,11 +213,12 @@ def test_weights_are_those_of_the_plain_twin(seed, n_checks, elapsed_us):
     variance = tracks.state["var_v"].copy()
     tracks.common["noise_hz"][0] = rng.uniform(0, 2000)
     tracks.common["n_checks"] = n_checks
+    tracks.common["counts_steps"] = is_rare
     motion = rows(tracks)[:, [2, 3, 7, 8, 9, 11, 12, 13, 14]].tolist()
     twin = reference.weigh(
         10_000, motion, tracks.n_new.tolist(), tracks.rate_hz.tolist(),
         float(tracks.common["noise_hz"][0]), PAPER_GEL.neighbours.tolist(), n_checks,
-        10_000 - elapsed_us, TUNING,
+        10_000 - elapsed_us, TUNING, is_rare=is_rare,
     )  # fmt: skip
     tracks.past_us[(n_checks - 1) % len(tracks.past_us)] = 10_000 - elapsed_us
     kernels.weigh(10_000, tracks, TUNING)
@@ -245,6 +247,20 @@ def test_a_gel_without_motion_is_checked_less_often(n_events, n_checks):
     assert checked_us[0] == 2_000
     assert np.diff(checked_us).max() <= kernels.STILL_US
     assert not (checked_us % TUNING.check_us).any()
+
+
+def test_noise_of_few_events_is_no_motion_where_frames_are_rare():
+    """36 events a second, less than one in the time over which a rate is averaged."""
+    tracks, rng = make_tracks(REST_PX), np.random.default_rng(4)
+    tracks.common["counts_steps"] = True
+    trusted = []
+    for k in range(1, 2_001):
+        tracks.n_new[:] = rng.poisson(0.002 * 36.0, 177)
+        kernels.weigh(2_000 * k, tracks, TUNING)
+        tracks.common["n_checks"] += 1
+        trusted.append(np.median(TUNING.r_px2 / tracks.r_px2))
+    assert np.mean(trusted[1_000:]) < 1.2 * kernels.MIN_TRUST  # 0.49 by single markers
+    assert tracks.common["noise_hz"][0] == pytest.approx(30.0, rel=0.2)
 
 
 def test_noise_counts_less_than_motion():

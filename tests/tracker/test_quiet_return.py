@@ -20,9 +20,9 @@ def push(x_mm: float, y_mm: float, **timing: int) -> Stroke:
     return Stroke(GestureKind.PUSH, (finger,), **timing)
 
 
-def play(*strokes: Stroke, neutral="lifted", back_us=1 << 40):
+def play(*strokes: Stroke, neutral="lifted", back_us=1 << 40, gap_us=700_000):
     """Returns steps, and how far each marker is from rest and the track from it, px, a slice."""
-    script = sequence("test", *strokes, rest_us=REST_US, gap_us=700_000)
+    script = sequence("test", *strokes, rest_us=REST_US, gap_us=gap_us)
     simulator = Simulator(script, seed=3)
     pipeline = Pipeline.build(load_profile("default"), GestureConfig(neutral=neutral))
     steps, moved, errors = [], [], []
@@ -51,6 +51,15 @@ def test_each_return_takes_the_drift_out():
     assert errors[settled].mean() < 0.15
     assert errors[settled].max() < 1.0
     assert len(returns(steps)) >= 3
+
+
+def test_noise_carries_no_marker_away_from_a_gel_at_rest():
+    """A position is uncertain after a stroke, and then come seconds with nothing but noise."""
+    steps, moved, errors = play(push(6.0, -5.0), push(-5.0, 4.0), gap_us=5_000_000)
+    late = slice(len(steps) - 100, None)
+    assert moved[late].max() < 0.1
+    assert np.median(errors[late]) < 0.14
+    assert not any(step.gesture.kind for step in steps[late])
 
 
 def test_a_hand_that_holds_still_is_no_return():

@@ -120,6 +120,10 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     motion, but for what one polarity has more: a marker that moves brightens as many pixels as it
     darkens, while the shadow of a hand does one of both. The larger the share of motion in the
     events of a polarity, the smaller is ``r_px2``.
+
+    A single marker has less than one event of noise in ``rate_s``, so the quietest quarter of the
+    markers seem to have a quarter of the noise. Where no frame takes back what this moves, the
+    noise is that of the quietest quarter of the neighbourhoods.
     """
     state, rate, n_new = tracks.state, tracks.rate_hz, tracks.n_new
     n, last_us = len(state), _last_check_us(tracks)
@@ -128,12 +132,7 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     for i in range(n):
         rate[i] += share * (n_new[i] / dt - rate[i])
         state[i].excess_hz += share * (state[i].excess / dt - state[i].excess_hz)
-    quiet = select(rate, n // 4)  # a quarter of the gel is usually at rest
-    noise = tracks.common[0].noise_hz
-    rise_s = min(NOISE_RISE_S, dt * (tracks.common[0].n_checks + 1))  # fast at first
-    noise += (quiet - noise) * dt / (NOISE_FALL_S if quiet < noise else rise_s)
-    tracks.common[0].noise_hz = noise
-    spread_hz = tuning.n_sigma * math.sqrt(noise / (2.0 * tuning.rate_s))
+    mean_hz, mean_excess_hz, n_used = np.empty(n), np.empty(n), np.empty(n)
     for i in range(n):
         total, excess, used = rate[i], state[i].excess_hz, 1
         for k in range(8):
@@ -142,9 +141,18 @@ def weigh(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
                 total += rate[j]
                 excess += state[j].excess_hz
                 used += 1
+        mean_hz[i], mean_excess_hz[i], n_used[i] = total / used, excess / used, used
+    # A quarter of the gel is usually at rest.
+    quiet = select(mean_hz if tracks.common[0].counts_steps else rate, n // 4)
+    noise = tracks.common[0].noise_hz
+    rise_s = min(NOISE_RISE_S, dt * (tracks.common[0].n_checks + 1))  # fast at first
+    noise += (quiet - noise) * dt / (NOISE_FALL_S if quiet < noise else rise_s)
+    tracks.common[0].noise_hz = noise
+    spread_hz = tuning.n_sigma * math.sqrt(noise / (2.0 * tuning.rate_s))
+    for i in range(n):
         # The mean of several rates has a smaller spread.
-        spread = spread_hz / math.sqrt(used)
-        total, excess = total / used, excess / used
+        spread = spread_hz / math.sqrt(n_used[i])
+        total, excess = mean_hz[i], mean_excess_hz[i]
         light = max(abs(excess) - noise - spread, 0.0)  # noise may be of one polarity
         motion = total - noise - spread - light
         trust = max(motion / (motion + noise) if motion > 0.0 else 0.0, MIN_TRUST)
