@@ -1,28 +1,24 @@
 """Copies and joins arrays of events, quickly."""
 
 from collections.abc import Sequence
-from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import EVENT_DTYPE
 
-_BLOCK: Final = np.dtype(("V", EVENT_DTYPE.itemsize))
-"""An event as plain bytes: numpy copies records field by field, several times as slowly."""
-
 
 def copy_events(events: NDArray[np.void]) -> NDArray[np.void]:
-    """Returns a copy of events, (n,) ``EVENT_DTYPE``."""
-    return events.view(_BLOCK).copy().view(EVENT_DTYPE)
+    """Returns a copy of contiguous events, (n,) ``EVENT_DTYPE``."""
+    return join_events((events,))
 
 
 def join_events(parts: Sequence[NDArray[np.void]]) -> NDArray[np.void]:
     """Returns all events in one new array, (n,) ``EVENT_DTYPE``.
 
     Args:
-        parts: arrays of events, in order of time; may be none.
+        parts: contiguous arrays of events, in order of time; may be none.
     """
-    if not parts:
-        return np.empty(0, EVENT_DTYPE)
-    return np.concatenate([part.view(_BLOCK) for part in parts]).view(EVENT_DTYPE)
+    # numpy would copy records field by field, and takes five times as long.
+    joined = bytearray().join(parts)  # type: ignore[arg-type]  # arrays are buffers
+    return np.ndarray(len(joined) // EVENT_DTYPE.itemsize, EVENT_DTYPE, joined)
