@@ -14,19 +14,19 @@ memory held before stays in the bytes between, so that equal events are not equa
 
 
 def copy_events(events: NDArray[np.void]) -> NDArray[np.void]:
-    """Returns a copy of events, (n,) ``EVENT_DTYPE``."""
-    return events.view(_BLOCK).copy().view(EVENT_DTYPE)
+    """Returns a copy of contiguous events, (n,) ``EVENT_DTYPE``."""
+    return join_events((events,))
 
 
 def join_events(parts: Sequence[NDArray[np.void]]) -> NDArray[np.void]:
     """Returns all events in one new array, (n,) ``EVENT_DTYPE``.
 
     Args:
-        parts: arrays of events, in order of time; may be none.
+        parts: contiguous arrays of events, in order of time; may be none.
     """
-    if not parts:
-        return np.empty(0, EVENT_DTYPE)
-    return np.concatenate([part.view(_BLOCK) for part in parts]).view(EVENT_DTYPE)
+    # A third of the time that numpy takes to join a few short arrays.
+    joined = bytearray().join(parts)  # type: ignore[arg-type]  # arrays are buffers
+    return np.ndarray(len(joined) // EVENT_DTYPE.itemsize, EVENT_DTYPE, joined)
 
 
 def pick_events(

@@ -2,8 +2,6 @@
 
 from typing import Final
 
-import numpy as np
-
 from neurotouch_hid.messages import EventPacket
 
 LEAD_US: Final = 350
@@ -29,7 +27,7 @@ def cut_partial(packet: EventPacket) -> EventPacket | None:
 
 def cut(packet: EventPacket, until_us: int) -> EventPacket:
     """Returns the events of a slice before ``until_us``, without frames."""
-    n = int(np.searchsorted(packet.events["t"], until_us))
+    n = int(packet.events["t"].searchsorted(until_us))
     return EventPacket(
         packet.t_begin_us, until_us, packet.events[:n], gap=packet.gap, is_partial=True
     )

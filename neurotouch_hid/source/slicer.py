@@ -65,7 +65,7 @@ class Slicer:
             self._begin(min([int(t[0]), *(f.exposure_end_us for f in self._frames)]))
         position = 0
         while (end_us := self._end()) <= t[-1]:
-            stop = position + int(np.searchsorted(t[position:], end_us))
+            stop = position + int(t[position:].searchsorted(end_us))
             yield self._cut(events[position:stop], end_us)
             position = stop
             if not self._parts:

@@ -232,14 +232,16 @@ class LibusbTransport:
             self._receive(transfer.data[:length])
         if status == usb1.TRANSFER_CANCELLED:
             return
-        self._gone |= status == usb1.TRANSFER_NO_DEVICE
-        if status != usb1.TRANSFER_COMPLETED and not (self._halted or self._gone):
-            self._receive(b"")  # once for a stall, which ends them all
-        self._halted |= status == usb1.TRANSFER_STALL
-        if not (self._ending or self._gone or self._halted):
-            result = self._submit(transfer)
+        if status != usb1.TRANSFER_COMPLETED:
+            self._gone |= status == usb1.TRANSFER_NO_DEVICE
+            if not (self._halted or self._gone):
+                self._receive(b"")  # once for a stall, which ends them all
+            self._halted |= status == usb1.TRANSFER_STALL
+        if self._ending or self._gone or self._halted:
+            return
+        if result := self._submit(transfer):
             self._gone |= result == usb1.ERROR_NO_DEVICE
-            self._halted |= result not in (0, usb1.ERROR_NO_DEVICE)
+            self._halted |= result != usb1.ERROR_NO_DEVICE
 
     def _drain(self) -> bool:
         """Cancels transfers in flight and waits for them: libusb writes to them until then.
