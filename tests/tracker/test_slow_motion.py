@@ -5,11 +5,16 @@ import pytest
 
 from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.tracker import TrackerConfig
+from neurotouch_hid.tracker.kernels.filter import check
 from neurotouch_hid.tracker.kernels.slow_motion import (
+    FEW_STEPS,
+    OFTEN_US,
+    SELDOM_US,
     SLOW_PX_S,
     STEPS_PER_PX,
     follow_steps,
     forget_steps,
+    is_due,
     needs_steps,
 )
 from neurotouch_hid.tracker.kernels.tracks import note_frame
@@ -35,7 +40,7 @@ def follow(tracks, steps, n_checks, moved_px_s=(0.0, 0.0)):
         before_px = np.column_stack([tracks.state["x"], tracks.state["y"]])
         now_px = before_px + by_places_px
         tracks.state["x"], tracks.state["y"] = now_px.T
-        tracks.steps[:] = steps
+        tracks.steps[:] += steps
         follow_steps(CHECK_S, before_px, now_px, tracks, CONFIG.tuning())
         assert np.allclose(now_px, np.column_stack([tracks.state["x"], tracks.state["y"]]))
     now_px = np.column_stack([tracks.state["x"], tracks.state["y"]])
@@ -56,7 +61,7 @@ def test_a_step_now_and_then_moves_as_far_as_many_small_ones(tracks):
     rng, n_checks, n = np.random.default_rng(2), 2_000, PAPER_GEL.n_markers
     steps = rng.poisson(40.0 * CHECK_S, (n_checks, n))
     for now in steps:
-        tracks.steps[:, 0] = now
+        tracks.steps[:, 0] += now
         places_px = np.column_stack([tracks.state["x"], tracks.state["y"]])
         follow_steps(CHECK_S, places_px, places_px.copy(), tracks, CONFIG.tuning())
     begin_px = Rig((172.5, 129.5), 2.6).to_px(PAPER_GEL.points_mm)
@@ -110,3 +115,26 @@ def test_steps_are_counted_where_noise_hides_slow_motion(tracks):
     assert not needs_steps(1_050_000, tracks)
     tracks.common["rest_noise_hz"] = 150.0
     assert needs_steps(1_050_000, tracks)
+
+
+def test_steps_are_followed_seldom_unless_a_marker_has_made_some(tracks):
+    """Following them takes as long as half of a check."""
+    assert not is_due(SELDOM_US - 1, 0, tracks)
+    assert is_due(SELDOM_US, 0, tracks)
+    tracks.steps[80, 1] = -FEW_STEPS
+    assert is_due(OFTEN_US, 0, tracks)
+    assert not is_due(OFTEN_US - 1, 0, tracks)
+
+
+@pytest.mark.parametrize("px_s", [0.5, 2.0, 8.0])
+def test_a_slow_marker_goes_as_far_whenever_its_steps_are_followed(tracks, px_s):
+    begin_px = tracks.state["x"].copy()
+    tuning, followed = CONFIG.tuning(), set()
+    for t_us in range(2_000, 3_000_000, 2_000):
+        tracks.steps[:, 0] += STEPS_PER_PX * px_s * CHECK_S
+        check(t_us, tracks, tuning)
+        followed.add(int(tracks.common["followed"][0]))
+    assert np.allclose(
+        tracks.state["x"] - begin_px, 3.0 * px_s / (1 + (px_s / SLOW_PX_S) ** 2), rtol=0.05
+    )
+    assert len(followed) <= 3_000_000 / OFTEN_US

@@ -13,6 +13,7 @@ from neurotouch_hid.tracker.kernels.slow_motion import (
     add_steps,
     follow_steps,
     forget_steps,
+    is_due,
     needs_steps,
 )
 from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, aim, predict
@@ -213,10 +214,15 @@ def check(t_us: int, tracks: Tracks, tuning: Tuning) -> None:
     position = tracks.past_px[slot]
     predict(float(t_us), tuning.memory_s, tracks, position)
     if common.counts_steps and last_us >= 0:
-        before = tracks.past_px[(common.n_checks - 1) % len(tracks.past_us)]
-        follow_steps(SECOND * (t_us - last_us), before, position, tracks, tuning)
+        before = common.followed % len(tracks.past_us)
+        followed_us = tracks.past_us[before]
+        if is_due(t_us, followed_us, tracks):
+            dt = SECOND * (t_us - followed_us)
+            follow_steps(dt, tracks.past_px[before], position, tracks, tuning)
+            common.followed = common.n_checks
     if needs_steps(t_us, tracks):
-        common.counts_steps = True
+        if not common.counts_steps:
+            common.counts_steps, common.followed = True, common.n_checks
     elif common.counts_steps:
         forget_steps(tracks)
     if common.n_checks % 2 == 0 and not common.frames_alone:

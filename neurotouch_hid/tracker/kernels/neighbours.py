@@ -12,7 +12,7 @@ LEFT_BEHIND = 4  # neighbours; three may be on the line between two fingers that
 
 @kernel
 def _sort_rows(v: NDArray[np.float64]) -> None:
-    """Sorts each column of ``v`` (8, n) float64 in place, by a network of 19 comparisons."""
+    """Sorts each column of ``v`` (8, m) float64 in place, by a network of 19 comparisons."""
     for p, q in (
         (0, 1), (2, 3), (4, 5), (6, 7), (0, 2), (1, 3), (4, 6), (5, 7), (1, 2), (5, 6),
         (0, 4), (3, 7), (1, 5), (2, 6), (1, 4), (3, 6), (2, 4), (3, 5), (3, 4),
@@ -45,34 +45,36 @@ def expect(
             neighbours' displacements, the larger of x and y.
     """
     n = len(position_px)
-    sorted_px = np.empty((8, n))
-    count = np.zeros(n, np.int64)
-    for axis in range(2):
-        for i in range(n):
-            n_used, n_padded = 0, 0
-            for k in range(8):
-                j = neighbours[i, k]
-                if j >= 0 and usable[j]:
-                    sorted_px[k, i] = position_px[j, axis] - rest_px[j, axis]
-                    n_used += 1
-                else:  # infinities at both ends keep the median in the middle
-                    sorted_px[k, i] = np.inf if n_padded % 2 == 0 else -np.inf
-                    n_padded += 1
-            count[i] = n_used
-        _sort_rows(sorted_px)
-        for i in range(n):
-            m = count[i]
-            if m < 3:
-                expected_px[i, axis], spread_px[i] = np.nan, 0.0
-                continue
-            first = (8 - m) // 2
-            last = first + m - 1
-            median = 0.5 * (
-                sorted_px[(first + last) // 2, i] + sorted_px[(first + last + 1) // 2, i]
-            )
-            expected_px[i, axis] = rest_px[i, axis] + median
-            spread = 0.5 * (sorted_px[last - m // 4, i] - sorted_px[first + m // 4, i])
-            spread_px[i] = spread if axis == 0 else max(spread_px[i], spread)
+    moved_px, sorted_px, n_used = np.empty((n + 2, 2)), np.empty((8, 2 * n)), np.empty(n, np.int64)
+    for i in range(n):
+        moved_px[i, 0] = position_px[i, 0] - rest_px[i, 0]
+        moved_px[i, 1] = position_px[i, 1] - rest_px[i, 1]
+    moved_px[n], moved_px[n + 1] = np.inf, -np.inf
+    for i in range(n):
+        n_padded = 0
+        for k in range(8):
+            j = neighbours[i, k]
+            if not (j >= 0 and usable[j]):  # infinities at both ends keep the median in the middle
+                j = n + (n_padded & 1)
+                n_padded += 1
+            # x and y beside each other are moved at once; unsigned, see ``filter``.
+            p, q = np.uint64(j), np.uint64(2 * i)
+            sorted_px[k, q], sorted_px[k, q + np.uint64(1)] = moved_px[p, 0], moved_px[p, 1]
+        n_used[i] = 8 - n_padded
+    _sort_rows(sorted_px)
+    for i in range(n):
+        m = n_used[i]
+        if m < 3:
+            expected_px[i], spread_px[i] = np.nan, 0.0
+            continue
+        first = (8 - m) >> 1
+        last = first + m - 1
+        low, high, quarter = (first + last) >> 1, (first + last + 1) >> 1, m >> 2
+        first, last, x, y = first + quarter, last - quarter, 2 * i, 2 * i + 1
+        expected_px[i, 0] = rest_px[i, 0] + 0.5 * (sorted_px[low, x] + sorted_px[high, x])
+        expected_px[i, 1] = rest_px[i, 1] + 0.5 * (sorted_px[low, y] + sorted_px[high, y])
+        spread_x = 0.5 * (sorted_px[last, x] - sorted_px[first, x])
+        spread_px[i] = max(spread_x, 0.5 * (sorted_px[last, y] - sorted_px[first, y]))
 
 
 @kernel

@@ -28,6 +28,9 @@ LEAST_PX_S = 20.0  # the places of the events follow such a marker well ...
 MOST_PX_S = 60.0  # ... and pixels are not yet too slow to count its steps
 USUAL_PX = 20.0  # what is known before, in px of motion
 MOST_PX = 5_000.0  # of motion that is remembered
+OFTEN_US = 20_000  # as long as steps are averaged; a slow marker goes by 0.3 px in it
+SELDOM_US = 100_000  # less than the past that is remembered
+FEW_STEPS = 8.0  # of a marker; it has moved by a tenth of a pixel
 
 
 @kernel
@@ -58,6 +61,18 @@ def add_steps(
             steps[i, 1] += share * dy
 
 
+@kernel
+def is_due(t_us: int, followed_us: int, tracks: Tracks) -> bool:
+    """Returns True if steps have shown since ``followed_us`` that a marker moves, or long ago."""
+    elapsed_us = t_us - followed_us
+    if elapsed_us < OFTEN_US:
+        return False
+    n_many, steps = 0, tracks.steps.ravel()
+    for k in range(len(steps)):  # eight at once
+        n_many += abs(steps[k]) >= FEW_STEPS
+    return n_many > 0 or elapsed_us >= SELDOM_US
+
+
 @kernel(error_model="numpy")
 def follow_steps(
     dt: float,
@@ -66,59 +81,65 @@ def follow_steps(
     tracks: Tracks,
     tuning: Tuning,
 ) -> None:
-    """Moves slow markers as the steps of their pixels tell; forgets these steps.
+    """Moves slow markers as the steps of their pixels tell; takes these steps away.
 
     A marker and its neighbours move alike, so their median limits what noise does to one.
 
     Args:
-        dt: time since the last check, s.
+        dt: time since the last call, s.
         before_px: (n, 2) float64 px, the positions then.
         now_px: (n, 2) float64 px, the positions now; updated.
         tracks: updated.
         tuning: of the filter.
     """
-    common, steps, steps_s = tracks.common[0], tracks.steps, tracks.steps_s
-    n, moved_s, long_steps_s = len(steps), tracks.moved_px_s, tracks.long_steps_s
-    share, long_share = -math.expm1(-dt / tuning.rate_s), -math.expm1(-dt / LONG_S)
-    for i in range(n):
-        for axis in range(2):
-            steps_s[i, axis] += share * (steps[i, axis] / dt - steps_s[i, axis])
-            long_steps_s[i, axis] += long_share * (steps[i, axis] / dt - long_steps_s[i, axis])
-            moved_px = now_px[i, axis] - before_px[i, axis]
-            moved_s[i, axis] += share * (moved_px / dt - moved_s[i, axis])
-            steps[i, axis] = 0.0
+    common, steps_s, long_steps_s = tracks.common[0], tracks.steps_s, tracks.long_steps_s
+    n, usable, nothing = len(steps_s), ~tracks.lost, np.zeros(now_px.shape)
+    around_s, long_around_s, spread = np.empty((n, 2)), np.empty((n, 2)), np.empty(n)
+    _average(dt, before_px.ravel(), now_px.ravel(), tracks, tuning)
     _learn(dt, tracks)
     px = (USUAL_PX + common.learnt_px) / (STEPS_PER_PX * USUAL_PX + common.learnt_steps)
-    around_s, spread, nothing = np.empty((n, 2)), np.empty(n), np.zeros((n, 2))
-    long_around_s = np.empty((n, 2))
-    expect(steps_s, ~tracks.lost, nothing, tracks.neighbours, around_s, spread)
-    expect(long_steps_s, ~tracks.lost, nothing, tracks.neighbours, long_around_s, spread)
-    for i in range(n):
+    expect(steps_s, usable, nothing, tracks.neighbours, around_s, spread)
+    expect(long_steps_s, usable, nothing, tracks.neighbours, long_around_s, spread)
+    moves_px = around_s
+    for i in range(n):  # a loop of its own and without branches: four markers at once
         x, y = around_s[i, 0], around_s[i, 1]
-        if not math.isfinite(x):
-            continue
-        trust = _trust(long_steps_s[i], long_around_s[i])
-        x, y = x + trust * (steps_s[i, 0] - x), y + trust * (steps_s[i, 1] - y)
-        x, y = px * x, px * y
+        long_x, long_y = long_around_s[i, 0], long_around_s[i, 1]
+        own_x, own_y = long_steps_s[i, 0] - long_x, long_steps_s[i, 1] - long_y
+        own2 = own_x * own_x + own_y * own_y + 1e-9
+        trust = min(ALONE * math.sqrt((long_x * long_x + long_y * long_y) / own2), 1.0)
+        x, y = px * (x + trust * (steps_s[i, 0] - x)), px * (y + trust * (steps_s[i, 1] - y))
         slow_s = dt / (1.0 + (x * x + y * y) / (SLOW_PX_S * SLOW_PX_S))
-        s = tracks.state[i]
-        s.x, s.y = s.x + slow_s * x, s.y + slow_s * y
-        now_px[i, 0] += slow_s * x
-        now_px[i, 1] += slow_s * y
+        moves_px[i, 0], moves_px[i, 1] = slow_s * x, slow_s * y
+    for i in range(n):
+        x, y = moves_px[i, 0], moves_px[i, 1]
+        if math.isfinite(x):
+            s = tracks.state[i]
+            s.x, s.y = s.x + x, s.y + y
+            now_px[i, 0] += x
+            now_px[i, 1] += y
 
 
-@kernel(inline="always")
-def _trust(own_s: NDArray[np.float64], around_s: NDArray[np.float64]) -> float:
-    """Returns the share of its own difference from its neighbours that a marker may follow.
+@kernel(error_model="numpy")
+def _average(
+    dt: float,
+    before_px: NDArray[np.float64],
+    now_px: NDArray[np.float64],
+    tracks: Tracks,
+    tuning: Tuning,
+) -> None:
+    """Takes a share of the steps, so that none is lost or counts twice, and updates the means.
 
-    Args:
-        own_s: (2,) float64, the steps of the marker per second, over a long time.
-        around_s: (2,) float64, those of its neighbours.
+    All in one row, so that the processor takes four at once.
     """
-    x, y = own_s[0] - around_s[0], own_s[1] - around_s[1]
-    own = math.sqrt(x * x + y * y)
-    most = ALONE * math.sqrt(around_s[0] * around_s[0] + around_s[1] * around_s[1])
-    return most / own if own > most else 1.0
+    steps, steps_s = tracks.steps.ravel(), tracks.steps_s.ravel()
+    long_steps_s, moved_s, per_s = tracks.long_steps_s.ravel(), tracks.moved_px_s.ravel(), 1.0 / dt
+    share, long_share = -math.expm1(-dt / tuning.rate_s), -math.expm1(-dt / LONG_S)
+    for k in range(len(steps)):
+        steps_s[k] = share * per_s * steps[k]
+        long_steps_s[k] += long_share * (steps_s[k] - long_steps_s[k])
+        steps[k] *= 1.0 - share
+    for k in range(len(steps)):
+        moved_s[k] += share * (per_s * (now_px[k] - before_px[k]) - moved_s[k])
 
 
 @kernel

@@ -53,6 +53,7 @@ COMMON: Final = np.dtype(
         ("last_frame_us", "i8"),
         ("placed_us", "i8"),
         ("frame_gap_us", "i8"),
+        ("followed", "i8"),
         ("noise_hz", "f8"),
         ("rest_noise_hz", "f8"),
         ("frames_alone", "?"),
@@ -70,6 +71,7 @@ COMMON: Final = np.dtype(
 - ``last_frame_us``: the end of the last frame that showed the markers, µs.
 - ``placed_us``: when the markers were first placed, µs.
 - ``frame_gap_us``: the time between the last two frames that showed the markers.
+- ``followed``: the number of the check in which steps have moved slow markers last.
 - ``noise_hz``: events per second of a marker that does not move.
 - ``rest_noise_hz``: the same when a frame last showed the gel at rest. A long motion of the whole
   gel is taken for noise.
@@ -94,8 +96,8 @@ class Tracks(NamedTuple):
         rest_px: (n, 2) float64, positions of the undeformed gel.
         neighbours: (n, 8) intp, -1 where there is none.
         steps: (n, 2) float64, without frames the sum of the directions of the events of each marker
-            since the last check: from it to an ON event, from an OFF event to it.
-        steps_s: (n, 2) float64, the recent mean of ``steps`` per second.
+            that have not moved it yet: from it to an ON event, from an OFF event to it.
+        steps_s: (n, 2) float64, the ``steps`` per second that have moved it last.
         long_steps_s: (n, 2) float64, the same over a longer time.
         moved_px_s: (n, 2) float64 px/s, the recent mean velocity of each marker.
         past_px: (k, n, 2) float64, ring of the positions at the last k checks.
