@@ -339,6 +339,19 @@ def test_a_bumped_camera_moves_the_rest_position_at_once():
     np.testing.assert_allclose(field.position_px, REST_PX + 6.0, atol=0.01)
 
 
+@pytest.mark.parametrize("ahead_us", [1_000, 9_000, 12_000])
+def test_a_frame_at_rest_corrects_tracks_although_its_slice_is_not_yet_followed(ahead_us):
+    tracker = MarkerTracker()
+    tracker.anchor(RestField(0, REST_PX))
+    for k in range(5):
+        end_us = tracker.update(packet(k, [(10_000 * k, 3, 3, True)])).t_us
+    tracker._tracks.state["x"][40] += 1.0  # a speck beside the dot has moved it
+    tracker._tracks.past_px[:, 40, 0] += 1.0
+    tracker.anchor(RestField(end_us + ahead_us, REST_PX))
+    field = tracker.update(packet(5))
+    np.testing.assert_allclose(field.position_px[40], REST_PX[40], atol=0.05)
+
+
 def test_the_rest_position_follows_a_rig_that_turns():
     centre_px, tracker = REST_PX.mean(axis=0), MarkerTracker()
     for k in range(250):  # 10 s, 0.5 degrees

@@ -15,6 +15,7 @@ GATE_PX = 3.5  # a third of the pitch, so another marker's blob is farther away
 MAX_BLUR_PX = 2.0  # smeared markers merge with their neighbours
 MAX_AREA_RATIO = 1.8  # to the median area; a larger blob contains two markers
 MAX_MISSED = 3  # sharp frames without a blob before a marker counts as lost
+MOST_AHEAD_US = 20_000  # a frame at rest may be newer than the last check: it is in the next slice
 MIN_MATCHED = 60  # a third of the markers; with fewer, the picture or all tracks are wrong
 
 
@@ -29,7 +30,8 @@ def recall(t_us: int, tracks: Tracks, out_px: NDArray[np.float64]) -> bool:
             break
         after = before
     elapsed_us, span_us = t_us - past_us[before], past_us[after] - past_us[before]
-    if past_us[before] < 0 or elapsed_us < 0 or elapsed_us > STILL_US:
+    most_us = STILL_US if span_us else MOST_AHEAD_US
+    if past_us[before] < 0 or elapsed_us < 0 or elapsed_us > most_us:
         return False
     part = elapsed_us / span_us if span_us else 0.0  # 0 if the time is after the last check
     for i in range(len(out_px)):

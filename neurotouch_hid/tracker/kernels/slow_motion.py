@@ -1,4 +1,4 @@
-"""Compiled loops that follow slow markers by the polarity of their events, where frames are rare.
+"""Compiled loops that follow slow markers by the polarity of their events.
 
 A pixel tells the logarithm of its light: each event is a step by its threshold. A marker that moves
 brightens the pixels ahead of it and darkens those behind it, by as many steps as its edge is high.

@@ -76,7 +76,7 @@ COMMON: Final = np.dtype(
 - ``rest_noise_hz``: the same when a frame last showed the gel at rest. A long motion of the whole
   gel is taken for noise.
 - ``frames_alone``: no events come; each frame moves the tracks from where the last one left them.
-- ``counts_steps``: the steps of the pixels move slow markers, because frames are rare.
+- ``counts_steps``: the steps of the pixels move slow markers, see ``needs_steps``.
 - ``learnt_px``, ``learnt_steps``: motion of markers without frames, and the steps that it took.
 """
 
