@@ -46,7 +46,7 @@ class FrameIdentity:
         self._n_explained = 0  # pictures in a row that contradict no track
         self._hasty_us = _NEVER_US  # the last time that a marker went more than half of the pitch
         self._moving_us = _NEVER_US  # the last time that a hasty picture was not slow
-        self._dots_px = np.empty((0, 2))  # the dots of the last frame
+        self._dots_px = np.empty((0, 2))  # the markers' dots in the last frame
 
     def anchor(self) -> None:
         """Takes that the gel is at rest, which tells all markers apart."""
@@ -94,11 +94,15 @@ class FrameIdentity:
             self.is_unsure = is_moving and not is_told
         elif is_shifted or (unseen > _UNSURE_SHARE and not is_explained):
             self.is_unsure = is_moving and is_hasty
-        self._dots_px = blobs.centroid_px.copy()
+        seen = state["n_missed"] == 0
+        self._dots_px = np.column_stack([state["x"][seen], state["y"][seen]])
         self._second_look.judge(is_certain=is_explained and not self.is_unsure)
 
     def _is_picture_slow(self, blobs: Blobs) -> bool:
-        """Returns whether the dots, whichever they are, have hardly moved since the last frame."""
+        """Returns whether the markers' dots have hardly moved since the last frame.
+
+        It does not matter whose they are. Specks of noise come and go, so they do not count.
+        """
         before_px, match = self._dots_px, np.empty(len(self._dots_px), np.int32)
         n_most = int(_OTHERS_SHARE * len(before_px))
         n_pairs, way_px = matching.measure_largest(
