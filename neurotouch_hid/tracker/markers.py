@@ -7,20 +7,19 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import NOMINAL_PITCH_PX, PAPER_GEL, Gel
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
 from neurotouch_hid.process.kernel_cache import bind
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.correction import FrameCorrection
 from neurotouch_hid.tracker.flicker import Flicker, FlickerFilter
-from neurotouch_hid.tracker.kernels import correction, matching, nearest, rigid
+from neurotouch_hid.tracker.frame_identity import FrameIdentity
+from neurotouch_hid.tracker.kernels import correction, nearest, rigid
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US
 from neurotouch_hid.tracker.kernels.slow_motion import forget_steps
-from neurotouch_hid.tracker.kernels.unexplained import count_unexplained
 from neurotouch_hid.tracker.quiet_return import QuietReturn
-from neurotouch_hid.tracker.second_look import SecondLook
 
 _PAST = 64  # checks remembered: at least 128 ms, longer than exposure and delay of a frame
 _MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed, or the rig was bumped
@@ -37,14 +36,6 @@ _NOISE_SIZES = 2.5  # medians of its size; random errors in a plane exceed it on
 _LONGEST_US = 200_000  # longest time that one rest position counts for
 _NEVER_US = -(1 << 60)
 _EVENTLESS_US = 1_000_000  # after this time without an event, frames alone show where markers go
-_UNSURE_SHARE = 0.055  # of the markers unseen: others are taken for their neighbours
-_SURE_SHARE = 0.025  # of the markers, which fingers that pinch hide as well
-_MOST_STRANGERS = 2  # dots that are no marker's, beyond those at rest
-_HIDDEN_SHARE = 0.1  # of the markers; more are not hidden by dots that run together
-_EXPLAINED_FRAMES = 2  # in a row, until the markers are told apart again
-_HASTY_US = 100_000  # markers that were too fast are told apart by then, or have been mistaken
-_OTHERS_SHARE = 0.05  # of the dots, which noise and fingers hide or show
-_SLOW_PITCHES = 0.25  # from frame to frame; no dot that moves less is taken for another
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
 
@@ -192,7 +183,7 @@ class MarkerTracker:
         self._filter = bind(kernels.filter_slice, self._tracks, self._tuning)
         self._finder = finder or BlobFinder(gel=gel)
         self._correction = FrameCorrection(self._tracks, self._tuning)
-        self._second_look = SecondLook(self._tracks, self._tuning)
+        self._identity = FrameIdentity(self._tracks, self._tuning, gel)
         self._flicker = FlickerFilter()
         self._return = QuietReturn(self._tracks)
         self._rest_px = np.full((n, 2), np.nan, np.float32)
@@ -201,17 +192,7 @@ class MarkerTracker:
         self._end_us: int | None = None
         self._n_events = self._n_anchors = self._n_gaps = 0
         self._event_us: int | None = None  # the end of the last slice with events
-        self._absent = np.zeros(n, np.bool_)  # markers that the last frame at rest hid
-        self._is_unsure = self._follows_frames = False
-        far_mm = np.hypot(*(gel.points_mm - gel.points_mm.mean(axis=0)).T)
-        self._inner = far_mm <= far_mm.max() - gel.pitch_mm
-        self._place_px = np.empty((n, 2))
-        self._n_strangers = self._n_strangers_at_rest = 0
-        self._n_explained = 0  # pictures in a row that contradict no track
-        self._hasty_us = _NEVER_US  # the last time that a marker went more than half of the pitch
-        self._moving_us = _NEVER_US  # the last time that a hasty picture was not slow
-        self._dots_px = np.empty((0, 2))  # the dots of the last frame
-        self._frame_us = 0  # the middle of the last exposure that was followed
+        self._follows_frames = False
         self._last_pixels: NDArray[np.uint8] | None = None
         self._n_mean = 0  # frames in the mean that the rest position is
 
@@ -235,7 +216,7 @@ class MarkerTracker:
     @property
     def is_unsure(self) -> bool:
         """True while frames alone do not tell the markers apart, because they move too fast."""
-        return self._is_unsure
+        return self._identity.is_unsure
 
     def anchor(self, rest: RestField) -> None:
         """Takes a rest position, which may be late: ``rest.t_us`` is the time that it shows.
@@ -266,8 +247,7 @@ class MarkerTracker:
         else:
             self._drift(off, elapsed_us)
         self._anchor_us = rest.t_us
-        self._absent, self._is_unsure = tracks.state["n_missed"] > 0, False
-        self._n_strangers_at_rest = self._n_strangers
+        self._identity.anchor()
         self._correction.anchor(rest, is_followed=self.follows_frames)
         if not np.abs(self._rest_px - tracks.rest_px).max() < _SHOWN_DRIFT_PX:
             self._rest_px = tracks.rest_px.astype(np.float32)
@@ -323,7 +303,7 @@ class MarkerTracker:
 
         A frame that ``update`` has followed already changes nothing.
         """
-        if self._anchored and frame.t_us > self._frame_us:
+        if self._anchored and frame.t_us > self._identity.frame_us:
             self._correct(frame, blobs)
 
     def stats(self) -> TrackerStats:
@@ -342,69 +322,10 @@ class MarkerTracker:
             return
         # A camera that has no new picture in time may send the last one again.
         if self._last_pixels is None or frame.pixels.data != self._last_pixels.data:
-            self._second_look.remember()
+            self._identity.remember()
             self._correction.follow(frame, blobs)
-            self._judge(frame.t_us, blobs)
+            self._identity.judge(frame.t_us, blobs)
         self._last_pixels = frame.pixels
-
-    def _judge(self, t_us: int, blobs: Blobs) -> None:
-        """Tells the markers apart in a frame, and notes whether that is certain.
-
-        It may not be where a marker goes more than half of the pitch from frame to frame and others
-        are not seen. Fingers that squeeze dots together hide some as well, but then no dot is left
-        over; a patch of tracks that is one place off leaves some behind it.
-        """
-        state, elapsed_us = self._tracks.state, t_us - self._frame_us
-        self._frame_us = t_us
-        going_px = 1e-6 * elapsed_us * float(np.hypot(state["vx"], state["vy"]).max())
-        if going_px > 0.5 * NOMINAL_PITCH_PX:
-            self._hasty_us = t_us
-        is_hasty = t_us - self._hasty_us <= _HASTY_US
-        if (is_hasty or self._is_unsure) and not self._is_picture_slow(blobs):
-            self._moving_us = t_us
-        # A hand that has stopped counts again, though some markers are at a neighbour's place.
-        is_moving = t_us - self._moving_us <= _HASTY_US
-        n_vanished, n_strangers = self._count_unexplained(blobs)
-        n_most = self._n_strangers_at_rest + _MOST_STRANGERS
-        if is_hasty and n_vanished + n_strangers > n_most:
-            n_left = n_vanished + n_strangers
-            look = self._second_look.look(
-                blobs, elapsed_us, self._absent, self._inner, n_left, n_most
-            )
-            n_vanished, n_strangers = look or (n_vanished, n_strangers)
-        self._n_strangers = n_strangers
-        unseen = float(((state["n_missed"] > 0) & ~self._absent).mean())
-        n_more = n_strangers - self._n_strangers_at_rest
-        is_explained = n_more <= _MOST_STRANGERS and n_vanished <= _HIDDEN_SHARE * len(state)
-        self._n_explained = self._n_explained + 1 if is_explained else 0
-        is_shifted = n_more > _MOST_STRANGERS and n_vanished > _MOST_STRANGERS
-        if self._is_unsure:
-            is_sure = unseen <= _SURE_SHARE and n_more <= _MOST_STRANGERS
-            is_told = is_sure or self._n_explained >= _EXPLAINED_FRAMES
-            self._is_unsure = is_moving and not is_told
-        elif is_shifted or (unseen > _UNSURE_SHARE and not is_explained):
-            self._is_unsure = is_moving and is_hasty
-        self._dots_px = blobs.centroid_px.copy()
-        self._second_look.judge(is_certain=is_explained and not self._is_unsure)
-
-    def _is_picture_slow(self, blobs: Blobs) -> bool:
-        """Returns whether the dots, whichever they are, have hardly moved since the last frame."""
-        before_px, match = self._dots_px, np.empty(len(self._dots_px), np.int32)
-        n_most = int(_OTHERS_SHARE * len(before_px))
-        n_pairs, way_px = matching.measure_largest(
-            before_px, blobs.centroid_px, correction.GATE_PX, n_most, match
-        )
-        return n_pairs >= len(before_px) - n_most and way_px <= _SLOW_PITCHES * NOMINAL_PITCH_PX
-
-    def _count_unexplained(self, blobs: Blobs) -> tuple[int, int]:
-        """Returns how many markers and how many dots of a frame contradict the tracks."""
-        state, place_px = self._tracks.state, self._place_px
-        place_px[:, 0], place_px[:, 1] = state["x"], state["y"]
-        is_seen = state["n_missed"] == 0
-        n_vanished, n_strangers = count_unexplained(
-            blobs.centroid_px, blobs.begin, place_px, is_seen, self._absent, self._inner
-        )
-        return int(n_vanished), int(n_strangers)
 
     def _follow_rig(self, measured_px: NDArray[np.float64], elapsed_us: int) -> None:
         """Moves the rest position with the rig: at once if it has moved far, else with time.
