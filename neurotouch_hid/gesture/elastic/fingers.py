@@ -23,7 +23,7 @@ N_SIDES: Final = 32
 """Sides of the polygon around the dots in which fingers are."""
 
 _PLACES: Final = ("standing_x_mm", "standing_y_mm", "before_x_mm", "before_y_mm")
-_BUMP_MM: Final = 0.4  # the rest position follows so far at once, so the gel stands there now
+_BUMP_MM: Final = 0.4  # if the rest position has moved farther, the place before no longer counts
 _MIDDLE: Final = 0.4
 _REACH_MM: Final = 8.0
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.process.kernel_cache import kernel
+from neurotouch_hid.source.davis.kernels.samples import count_alike, draw, keep_reset
 
 Records = NDArray[np.void]
 
@@ -110,10 +111,6 @@ COUNTERS_DTYPE = np.dtype(
     ]
 )
 """Counts of malformed data; see ``DecoderStats``."""
-
-TOO_BRIGHT = 384  # a reset value below this is one that the light has already pulled down
-WHITE = 1023
-BLOCK = 32  # words that are looked at together
 
 
 @kernel
@@ -353,72 +350,15 @@ def _take_samples(
     if layout.mirrored:
         x, x_step = layout.width_px - 1 - x, -x_step
     at = (y + row * y_step) * layout.width_px + x + row * x_step
-    n: int = _count_samples(words, i)
+    n: int = count_alike(words, i)
     n_fit = min(n, n_rows - row) if column < n_columns else 0
     if is_read and n_fit > 0:
         samples, step = words[i : i + n_fit], x_step + y_step * layout.width_px
         if kind == RESET_COLUMN:
-            _keep_reset(samples, layout.sample_shift, at, step, reset.reshape(-1))
+            keep_reset(samples, layout.sample_shift, at, step, reset.reshape(-1))
         else:
-            _draw(samples, layout.sample_shift, at, step, reset.reshape(-1), pixels.reshape(-1))
+            draw(samples, layout.sample_shift, at, step, reset.reshape(-1), pixels.reshape(-1))
     if is_read:
         state["is_frame_ok"] &= n <= n_fit
         state["n_samples"] = row + n
     return i + n
-
-
-@kernel
-def _count_samples(words: NDArray[np.uint16], i: int) -> int:
-    """Returns how many samples follow one another from word ``i`` on."""
-    end = i
-    while end + BLOCK <= len(words):
-        other = 0
-        for k in range(BLOCK):
-            other |= words[end + k] ^ (SAMPLE << 12)
-        if other >> 12:
-            break
-        end += BLOCK
-    while end < len(words) and words[end] >> 12 == SAMPLE:
-        end += 1
-    return end - i
-
-
-@kernel
-def _keep_reset(
-    samples: NDArray[np.uint16], shift: int, at: int, step: int, reset: NDArray[np.int16]
-) -> None:
-    """Writes the values before the exposure, from pixel ``at`` on, ``step`` pixels apart."""
-    if step == 1:
-        line = reset[at : at + len(samples)]
-        for k in range(len(samples)):
-            line[k] = (samples[k] & 0x3FF) << shift
-        return
-    for k in range(len(samples)):
-        reset[at + k * step] = (samples[k] & 0x3FF) << shift
-
-
-@kernel
-def _draw(
-    samples: NDArray[np.uint16],
-    shift: int,
-    at: int,
-    step: int,
-    reset: NDArray[np.int16],
-    pixels: NDArray[np.uint8],
-) -> None:
-    """Draws the light of the values after the exposure, likewise."""
-    if step == 1:
-        line, before = pixels[at : at + len(samples)], reset[at : at + len(samples)]
-        for k in range(len(samples)):
-            line[k] = _find_light(before[k], (samples[k] & 0x3FF) << shift)
-        return
-    for k in range(len(samples)):
-        at_k = at + k * step
-        pixels[at_k] = _find_light(reset[at_k], (samples[k] & 0x3FF) << shift)
-
-
-@kernel
-def _find_light(before: int, value: int) -> int:
-    """Returns a pixel's grey value from its values before and after the exposure."""
-    light = WHITE if before < TOO_BRIGHT or value == 0 else max(before - value, 0)
-    return min(255, (light + 3) >> 2)  # as the vendor's library rounds
