@@ -70,3 +70,16 @@ def test_a_rehearsal_shows_it():
         for text in moment.changes
     ]
     assert changes == ["missed: pinch from 7 mm -> button a, because peak 5.7 mm < 7 mm"]
+
+
+def test_of_bindings_with_one_threshold_the_first_is_told():
+    buttons = ("y", "rb", "a", "start", "x", "lb", "b", "back")
+    lines = [f"  - {{when: {{gesture: pinch, on_mm: 7.0}}, do: {{button: {b}}}}}" for b in buttons]
+    profile = "\n".join(["version: 1", "name: mine", "bindings:", *lines]).encode()
+    mapping = Mapping(parse_profile(profile, "mine.yaml"))
+    changes = [
+        text
+        for moment in perform(mapping, rehearse("pinch 6mm 300ms hold 1s"))
+        for text in moment.changes
+    ]
+    assert changes == ["missed: pinch from 7 mm -> button y, because peak 6.0 mm < 7 mm"]

@@ -157,14 +157,17 @@ class _Layer:
         self.limited = frozenset(each for each in self.runners if each.binding.thresholds_mm[0] > 0)
         self._pressing = frozenset(each for each in plain if not each.binding.is_followed)
         self._taken = GestureKind.NONE
-        self._wanted: dict[tuple[object, ...], frozenset[BindingRunner]] = {}
+        self._wanted: dict[tuple[object, ...], tuple[BindingRunner, ...]] = {}
 
-    def find_wanted(self, reading: ConditionedGesture) -> frozenset[BindingRunner]:
-        """Returns the runners this gesture may set off; found once for each kind and direction."""
+    def find_wanted(self, reading: ConditionedGesture) -> tuple[BindingRunner, ...]:
+        """Returns the runners this gesture may set off, in the order of the profile.
+
+        Found once for each kind and direction.
+        """
         key = (reading.kind, reading.four, reading.eight)
         wanted = self._wanted.get(key)
         if wanted is None:
-            wanted = frozenset(runner for runner in self.runners if runner.may_act(reading))
+            wanted = tuple(runner for runner in self.runners if runner.may_act(reading))
             self._wanted[key] = wanted
         return wanted
 
