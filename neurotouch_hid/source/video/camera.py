@@ -11,6 +11,7 @@ from neurotouch_hid.source.video.config import VideoConfig
 from neurotouch_hid.source.video.controls import fix_controls
 from neurotouch_hid.source.video.formats import COMPRESSED, KNOWN, GreyReader
 from neurotouch_hid.source.video.modes import Mode, choose_mode, list_modes
+from neurotouch_hid.source.video.picture_stream import PictureStream
 from neurotouch_hid.source.video.v4l2 import Linux
 
 _USUAL_EXPOSURE_US: Final = 8_000
@@ -43,6 +44,7 @@ class VideoCamera(Closing):
     def __init__(self, node: Path, config: VideoConfig, linux: Linux | None = None) -> None:
         self.stamp_us = self.n_lost = self.n_damaged = self.n_unstamped = 0
         self._device = device = CaptureDevice(node, linux)
+        self._stream: PictureStream | None = None
         try:
             if not device.is_camera:
                 raise CameraError(
@@ -70,7 +72,7 @@ class VideoCamera(Closing):
         Raises:
             CameraError: the camera refuses, or another program streams from it.
         """
-        self._device.start()
+        self._stream = PictureStream(self._device)
 
     def take(self, timeout_s: float, *, keeps_jpeg: bool = False) -> Picture | None:
         """Returns the newest picture; None if none came in time, or one that is damaged.
@@ -84,7 +86,7 @@ class VideoCamera(Closing):
         Raises:
             CameraError: the camera is gone, or has failed.
         """
-        picture = self._device.take(timeout_s)
+        picture = None if self._stream is None else self._stream.take(timeout_s)
         if picture is None:
             return None
         self.stamp_us = picture.t_us
@@ -102,4 +104,6 @@ class VideoCamera(Closing):
 
     def close(self) -> None:
         """Stops and closes it; a second call does nothing."""
+        if self._stream is not None:
+            self._stream.close()
         self._device.close()

@@ -1,18 +1,13 @@
-"""A camera through V4L2: what it says is checked before anything relies on it."""
+"""A camera through V4L2, its formats and settings: what it says is checked before it is used."""
 
 import ctypes
 import errno
 import mmap
-import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Final, NamedTuple, TypeVar
-
-import numpy as np
-from numpy.typing import NDArray
 
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import CameraBusyError, CameraError
@@ -21,19 +16,11 @@ from neurotouch_hid.source.camera_errors import CameraGoneError
 from neurotouch_hid.source.video import v4l2
 from neurotouch_hid.source.video.v4l2 import Linux
 
-N_BUFFERS: Final = 4
-"""One is being filled, one is being read, and two bridge a thread that wakes late."""
 MAX_FORMATS: Final = 64
 MAX_SIZES: Final = 256
 MAX_INTERVALS: Final = 256
 MAX_SIDE_PX: Final = 8_192
 MAX_IMAGE_BYTES: Final = 4 * MAX_SIDE_PX * MAX_SIDE_PX
-MAX_LOST: Final = 10_000
-"""A jump of the picture number above this is a counter that started again."""
-LATE_US: Final = 1_000_000
-"""A picture whose stamp is older than this has no usable stamp."""
-EARLY_US: Final = 100_000
-"""Nor has one whose stamp lies so far in the future; a driver may calculate stamps in advance."""
 
 USUAL_SIZES: Final = ((320, 240), (640, 480), (800, 600), (1280, 720), (1280, 800), (1920, 1080))
 """The sizes that are tried of a camera that offers any size between two limits."""
@@ -72,27 +59,6 @@ class ControlRange(NamedTuple):
         return min(self.least + steps * self.step, self.most)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Picture:
-    """A picture in a buffer of the driver; valid until the next call of ``take``.
-
-    Attributes:
-        data: (n,) uint8, the bytes that the camera has written.
-        t_us: the stamp, µs of CLOCK_MONOTONIC.
-        is_start: the stamp is that of the start of the exposure, not that of the picture's end.
-        n_lost: pictures that were lost since the one before, as far as known.
-        is_damaged: the driver says that parts are missing.
-        has_stamp: the driver gave a usable stamp; otherwise it is the time of the arrival.
-    """
-
-    data: NDArray[np.uint8]
-    t_us: int
-    is_start: bool
-    n_lost: int
-    is_damaged: bool
-    has_stamp: bool
-
-
 class CaptureDevice(Closing):
     """An open camera.
 
@@ -115,11 +81,6 @@ class CaptureDevice(Closing):
     def __init__(self, node: Path, linux: Linux | None = None) -> None:
         self.node = node
         self._linux = linux or Linux()
-        self._buffers: list[mmap.mmap] = []
-        self._views: list[NDArray[np.uint8]] = []
-        self._taken: int | None = None
-        self._last_sequence: int | None = None
-        self._last_us = 0
         self.name = ""
         try:
             self._descriptor: int | None = self._linux.open(node)
@@ -127,7 +88,7 @@ class CaptureDevice(Closing):
             raise self._explain(error, "opened") from error
         capability = v4l2.Capability()
         try:
-            self._call(v4l2.QUERYCAP, capability, "asked for its name")
+            self.call(v4l2.QUERYCAP, capability, "asked for its name")
         except CameraError:
             self.close()
             raise
@@ -144,7 +105,7 @@ class CaptureDevice(Closing):
 
         def ask(index: int) -> v4l2.FormatDescription:
             answer = v4l2.FormatDescription(index=index, type=v4l2.BUF_TYPE_VIDEO_CAPTURE)
-            self._call(v4l2.ENUM_FMT, answer, "asked for its formats")
+            self.call(v4l2.ENUM_FMT, answer, "asked for its formats")
             return answer
 
         codes = [_name_fourcc(answer.pixelformat) for answer in self._ask_all(ask, MAX_FORMATS)]
@@ -156,7 +117,7 @@ class CaptureDevice(Closing):
 
         def ask(index: int) -> v4l2.FrameSize:
             answer = v4l2.FrameSize(index=index, pixel_format=code)
-            self._call(v4l2.ENUM_FRAMESIZES, answer, "asked for its sizes")
+            self.call(v4l2.ENUM_FRAMESIZES, answer, "asked for its sizes")
             return answer
 
         sizes: list[tuple[int, int]] = []
@@ -174,7 +135,7 @@ class CaptureDevice(Closing):
 
         def ask(index: int) -> v4l2.FrameInterval:
             answer = v4l2.FrameInterval(index=index, pixel_format=code, width=width, height=height)
-            self._call(v4l2.ENUM_FRAMEINTERVALS, answer, "asked for its rates")
+            self.call(v4l2.ENUM_FRAMEINTERVALS, answer, "asked for its rates")
             return answer
 
         intervals: list[Fraction | None] = []
@@ -194,14 +155,14 @@ class CaptureDevice(Closing):
         pix = wanted.pix
         pix.width, pix.height = width, height
         pix.pixelformat, pix.field = _read_fourcc(fourcc), v4l2.FIELD_NONE
-        self._call(v4l2.S_FMT, wanted, f"set to {width}x{height} {fourcc}")
+        self.call(v4l2.S_FMT, wanted, f"set to {width}x{height} {fourcc}")
         agreed = PictureFormat(
             _name_fourcc(pix.pixelformat), pix.width, pix.height, pix.bytesperline
         )
         if not (0 < agreed.width <= MAX_SIDE_PX and 0 < agreed.height <= MAX_SIDE_PX):
-            raise self._refuse(f"a picture of {agreed.width}x{agreed.height} px")
+            raise self.refuse(f"a picture of {agreed.width}x{agreed.height} px")
         if pix.sizeimage > MAX_IMAGE_BYTES or agreed.stride > 8 * MAX_SIDE_PX:
-            raise self._refuse(f"pictures of {pix.sizeimage} bytes, {agreed.stride} a row")
+            raise self.refuse(f"pictures of {pix.sizeimage} bytes, {agreed.stride} a row")
         return agreed
 
     def set_interval(self, interval: Fraction) -> Fraction | None:
@@ -215,7 +176,7 @@ class CaptureDevice(Closing):
         time_per_frame.numerator = interval.numerator
         time_per_frame.denominator = interval.denominator
         try:
-            self._call(v4l2.S_PARM, wanted, "set to a rate")
+            self.call(v4l2.S_PARM, wanted, "set to a rate")
         except CameraGoneError:
             raise
         except CameraError:  # many an old driver has none
@@ -226,7 +187,7 @@ class CaptureDevice(Closing):
         """Returns the range of a control; None if the camera does not have it."""
         answer = v4l2.QueryControl(id=control)
         try:
-            self._call(v4l2.QUERYCTRL, answer, "asked for a control")
+            self.call(v4l2.QUERYCTRL, answer, "asked for a control")
         except CameraGoneError:
             raise
         except CameraError:
@@ -241,7 +202,7 @@ class CaptureDevice(Closing):
     def set_control(self, control: int, value: int) -> bool:
         """Sets a control; returns whether the camera took it."""
         try:
-            self._call(v4l2.S_CTRL, v4l2.Control(id=control, value=value), "set")
+            self.call(v4l2.S_CTRL, v4l2.Control(id=control, value=value), "set")
         except CameraGoneError:
             raise
         except CameraError:
@@ -252,146 +213,65 @@ class CaptureDevice(Closing):
         """Returns the value of a control; None if the camera does not say."""
         answer = v4l2.Control(id=control)
         try:
-            self._call(v4l2.G_CTRL, answer, "asked for a control")
+            self.call(v4l2.G_CTRL, answer, "asked for a control")
         except CameraGoneError:
             raise
         except CameraError:
             return None
         return int(answer.value)
 
-    def start(self) -> None:
-        """Maps the driver's buffers and starts the stream.
+    def wait(self, timeout_s: float) -> bool:
+        """Waits for a picture or the end of the device; returns False after the timeout."""
+        return self._linux.wait(self._require_open(), timeout_s)
+
+    def map(self, length: int, offset: int) -> mmap.mmap:
+        """Returns a buffer of the driver, mapped for reading.
 
         Raises:
-            CameraBusyError: another program streams from it.
-            CameraError: it refuses, or its answers make no sense.
+            CameraError: it cannot be mapped.
         """
-        request = v4l2.RequestBuffers(
-            count=N_BUFFERS, type=v4l2.BUF_TYPE_VIDEO_CAPTURE, memory=v4l2.MEMORY_MMAP
-        )
-        self._call(v4l2.REQBUFS, request, "asked for buffers")
-        if not 2 <= request.count <= 32:  # V4L2's limit
-            raise self._refuse(f"{request.count} buffers")
-        for index in range(request.count):
-            buffer = self._make_buffer(index)
-            self._call(v4l2.QUERYBUF, buffer, "asked for a buffer")
-            if not 0 < buffer.length <= MAX_IMAGE_BYTES:
-                raise self._refuse(f"a buffer of {buffer.length} bytes")
-            try:
-                mapped = self._linux.map(self._require_open(), buffer.length, buffer.offset)
-            except (OSError, ValueError) as error:
-                raise CameraError(
-                    f"The camera {self}: a buffer cannot be mapped: {error}."
-                ) from error
-            self._buffers.append(mapped)
-            self._views.append(np.frombuffer(mapped, np.uint8))
-        for index in range(request.count):
-            self._queue(index)
-        on = ctypes.c_int32(v4l2.BUF_TYPE_VIDEO_CAPTURE)
-        self._call(v4l2.STREAMON, on, "started")
+        try:
+            return self._linux.map(self._require_open(), length, offset)
+        except (OSError, ValueError) as error:
+            raise CameraError(f"The camera {self}: a buffer cannot be mapped: {error}.") from error
 
-    def take(self, timeout_s: float) -> Picture | None:
-        """Returns the newest picture; gives the driver back the one returned before.
+    def call(self, number: int, argument: ctypes.Structure | ctypes.c_int32, what: str) -> None:
+        """Makes one call of V4L2; the answer is in ``argument``.
 
         Args:
-            timeout_s: how long to wait for one.
-
-        Returns:
-            The picture, or None after the timeout.
+            number: the call.
+            argument: what is asked.
+            what: what the camera cannot be, if it refuses.
 
         Raises:
-            CameraGoneError: the camera is gone.
-            CameraError: it has failed.
+            CameraError: it refuses.
         """
-        if self._taken is not None:
-            index, self._taken = self._taken, None
-            self._queue(index)
-        if not self._linux.wait(self._require_open(), timeout_s):
-            return None
-        newest, n_older, n_empty = self._take_newest()
-        if newest is None:
-            if n_empty:
-                return None
-            raise CameraGoneError(f"The camera {self} reports an error instead of a picture.")
-        self._taken = newest.index
-        return self._describe(newest, n_older)
+        try:
+            self._linux.call(self._require_open(), number, argument)
+        except OSError as error:
+            raise self._explain(error, what) from error
 
-    def _take_newest(self) -> tuple[v4l2.Buffer | None, int, int]:
-        """Returns the newest picture's buffer, and how many older and how many empty ones came.
+    def try_call(self, number: int, argument: ctypes.Structure, what: str) -> bool:
+        """Does the same as ``call``; returns False if there is nothing yet."""
+        try:
+            self._linux.call(self._require_open(), number, argument)
+        except OSError as error:
+            if error.errno in (errno.EAGAIN, errno.EINTR):
+                return False
+            raise self._explain(error, what) from error
+        return True
 
-        After an error on the wire ``uvcvideo`` gives all buffers back empty, without number and
-        stamp; the numbers of the next pictures tell what was lost.
-        """
-        newest: v4l2.Buffer | None = None
-        n_older = n_empty = 0
-        for _ in range(2 * len(self._views)):  # a driver that fills them faster than this lies
-            buffer = self._make_buffer(0)
-            try:
-                self._linux.call(self._require_open(), v4l2.DQBUF, buffer)
-            except OSError as error:
-                if error.errno in (errno.EAGAIN, errno.EINTR):
-                    break
-                raise self._explain(error, "read") from error
-            if buffer.index >= len(self._views):
-                raise self._refuse(f"buffer {buffer.index} of {len(self._views)}")
-            if buffer.flags & v4l2.BUF_FLAG_ERROR and not buffer.bytesused:
-                n_empty += 1
-                self._queue(buffer.index)
-                continue
-            if newest is not None:
-                n_older += 1
-                self._queue(newest.index)
-            newest = buffer
-        return newest, n_older, n_empty
-
-    def _describe(self, buffer: v4l2.Buffer, n_older: int) -> Picture:
-        view = self._views[buffer.index]
-        n_bytes = min(buffer.bytesused, len(view))
-        stamp_us = buffer.timestamp.seconds * 1_000_000 + buffer.timestamp.microseconds
-        now_us = time.monotonic_ns() // 1000
-        is_monotonic = (
-            buffer.flags & v4l2.BUF_FLAG_TIMESTAMP_MASK == v4l2.BUF_FLAG_TIMESTAMP_MONOTONIC
+    def refuse(self, answer: str) -> CameraError:
+        """Returns the error for an answer that makes no sense."""
+        return CameraError(
+            f"The camera {self} offers {answer}, which makes no sense.",
+            hint="Unplug it and plug it in again.",
         )
-        earliest_us = max(self._last_us, now_us - LATE_US)
-        has_stamp = is_monotonic and earliest_us < stamp_us < now_us + EARLY_US
-        t_us = stamp_us if has_stamp else max(now_us, self._last_us + 1)
-        n_lost = n_older
-        if self._last_sequence is not None:
-            n_missing = (buffer.sequence - self._last_sequence - 1) & 0xFFFFFFFF
-            n_lost = max(n_older, n_missing if n_missing <= MAX_LOST else 0)
-        self._last_sequence, self._last_us = buffer.sequence, t_us
-        source = buffer.flags & v4l2.BUF_FLAG_TSTAMP_SRC_MASK
-        return Picture(
-            data=view[:n_bytes],
-            t_us=t_us,
-            is_start=has_stamp and source == v4l2.BUF_FLAG_TSTAMP_SRC_SOE,
-            n_lost=n_lost,
-            is_damaged=bool(buffer.flags & v4l2.BUF_FLAG_ERROR) or buffer.bytesused > len(view),
-            has_stamp=has_stamp,
-        )
-
-    def stop(self) -> None:
-        """Stops the stream and unmaps the buffers; a second call does nothing."""
-        if self._descriptor is None or not self._views:
-            return
-        self._taken = self._last_sequence = None
-        off = ctypes.c_int32(v4l2.BUF_TYPE_VIDEO_CAPTURE)
-        with suppress(CameraError):  # it is gone, or it has never started
-            self._call(v4l2.STREAMOFF, off, "stopped")
-        self._views.clear()
-        for buffer in self._buffers:
-            with suppress(BufferError):  # a picture is still in use; it is unmapped after that
-                buffer.close()
-        self._buffers.clear()
-        none = v4l2.RequestBuffers(type=v4l2.BUF_TYPE_VIDEO_CAPTURE, memory=v4l2.MEMORY_MMAP)
-        with suppress(CameraError):  # closing frees them too
-            self._call(v4l2.REQBUFS, none, "stopped")
 
     def close(self) -> None:
-        """Stops and closes; a second call does nothing."""
+        """Closes it; a second call does nothing."""
         if self._descriptor is None:
             return
-        self.stop()
         descriptor, self._descriptor = self._descriptor, None
         with suppress(OSError):
             self._linux.close(descriptor)
@@ -404,12 +284,6 @@ class CaptureDevice(Closing):
             raise CameraGoneError(f"The camera {self} is closed.")
         return self._descriptor
 
-    def _make_buffer(self, index: int) -> v4l2.Buffer:
-        return v4l2.Buffer(index=index, type=v4l2.BUF_TYPE_VIDEO_CAPTURE, memory=v4l2.MEMORY_MMAP)
-
-    def _queue(self, index: int) -> None:
-        self._call(v4l2.QBUF, self._make_buffer(index), "given a buffer")
-
     def _ask_all(self, ask: Callable[[int], _Answer], most: int) -> Iterator[_Answer]:
         """Yields the answers to an index that counts up, until the camera has no more."""
         for index in range(most):
@@ -419,12 +293,6 @@ class CaptureDevice(Closing):
                 raise
             except CameraError:
                 return
-
-    def _call(self, number: int, argument: ctypes.Structure | ctypes.c_int32, what: str) -> None:
-        try:
-            self._linux.call(self._require_open(), number, argument)
-        except OSError as error:
-            raise self._explain(error, what) from error
 
     def _explain(self, error: OSError, what: str) -> CameraError:
         if error.errno in (errno.ENODEV, errno.ENXIO, errno.ENOENT):
@@ -439,12 +307,6 @@ class CaptureDevice(Closing):
                 hint="Log in at the machine itself, or give your user the group 'video'.",
             )
         return CameraError(f"The camera {self} cannot be {what}: {error.strerror or error}.")
-
-    def _refuse(self, answer: str) -> CameraError:
-        return CameraError(
-            f"The camera {self} offers {answer}, which makes no sense.",
-            hint="Unplug it and plug it in again.",
-        )
 
 
 def _read_text(raw: bytes) -> str:

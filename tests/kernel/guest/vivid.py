@@ -19,6 +19,7 @@ from neurotouch_hid.source.video.enumeration import find_video_cameras
 from neurotouch_hid.source.video.formats import KNOWN, GreyReader
 from neurotouch_hid.source.video.live import VideoCameraSource
 from neurotouch_hid.source.video.modes import list_modes
+from neurotouch_hid.source.video.picture_stream import PictureStream
 
 # Of drivers/media/test-drivers/vivid/vivid-ctrls.c.
 TEST_PATTERN = 0x00F0F000
@@ -80,9 +81,10 @@ def look_at(node: Path, fourcc: str) -> dict[str, Any]:
         agreed = device.set_format(fourcc, *SIZE)
         device.set_control(TEST_PATTERN, GREY_RAMP)
         device.set_control(OSD_TEXT_MODE, NO_TEXT)
-        device.start()
-        picture = take(device)
-        grey = GreyReader(agreed).read(picture.data)
+        with PictureStream(device) as pictures:
+            picture = pictures.take(PATIENCE_S)
+            assert picture is not None
+            grey = GreyReader(agreed).read(picture.data)
         assert grey is not None
         row = grey[SIZE[1] // 2].astype(int)
         return {
@@ -91,12 +93,6 @@ def look_at(node: Path, fourcc: str) -> dict[str, Any]:
             "row": row[:: SIZE[0] // 16].tolist(),
             "same_rows": bool((np.ptp(grey.astype(int), axis=0) <= 1).mean() > 0.9),
         }
-
-
-def take(device: CaptureDevice) -> Any:
-    picture = device.take(PATIENCE_S)
-    assert picture is not None
-    return picture
 
 
 def stream(node: Path, source: int) -> dict[str, Any]:

@@ -13,9 +13,10 @@ from neurotouch_hid.errors import CameraBusyError, CameraError
 from neurotouch_hid.source.camera_errors import CameraGoneError
 from neurotouch_hid.source.video import v4l2
 from neurotouch_hid.source.video.camera import VideoCamera
-from neurotouch_hid.source.video.capture import LATE_US, MAX_SIZES, N_BUFFERS, CaptureDevice
+from neurotouch_hid.source.video.capture import MAX_SIZES, CaptureDevice
 from neurotouch_hid.source.video.config import VideoConfig
 from neurotouch_hid.source.video.enumeration import find_video_cameras, select_video_cameras
+from neurotouch_hid.source.video.picture_stream import LATE_US, N_BUFFERS
 from tests.source.video.fake_camera import NAMES, FakeCamera, FakeLinux
 
 NODE = Path("/dev/video0")
