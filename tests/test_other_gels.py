@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from neurotouch_hid.driver.gel_settings import load_gel
+from neurotouch_hid.driver.gel_file import load_gel
 from neurotouch_hid.evaluation.accuracy.files import evaluate_file
 from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.gesture import GestureConfig

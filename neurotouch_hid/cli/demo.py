@@ -92,7 +92,7 @@ def command(
     from neurotouch_hid.cli.shared.demo_page import open_page
     from neurotouch_hid.cli.shared.play import announce, play
     from neurotouch_hid.driver import Driver
-    from neurotouch_hid.driver.gel_settings import choose_gel
+    from neurotouch_hid.driver.gel_file import choose_gel
     from neurotouch_hid.players import find_runtime_folder
     from neurotouch_hid.source import open_source
     from neurotouch_hid.source.mouse_gel import MouseSource

@@ -145,7 +145,7 @@ def _try_directions(source: str | None, gel: str | None) -> "tuple[Finding, Advi
     from neurotouch_hid.doctor.directions import try_directions
     from neurotouch_hid.doctor.finding import CheckStatus, Finding, skip
     from neurotouch_hid.doctor.inventory import find_driver
-    from neurotouch_hid.driver.gel_settings import choose_gel
+    from neurotouch_hid.driver.gel_file import choose_gel
     from neurotouch_hid.errors import NeuroTouchError
 
     name = "directions"

@@ -105,7 +105,7 @@ def command(
     )
     from neurotouch_hid.doctor.hello.led import LedMeter
     from neurotouch_hid.doctor.hello.session import Session
-    from neurotouch_hid.driver.gel_settings import find_gel_file, load_gel_file
+    from neurotouch_hid.driver.gel_file import find_gel_file, load_gel_file
     from neurotouch_hid.gel_making.plan import make_plan
     from neurotouch_hid.profile import load_user
 

@@ -106,7 +106,7 @@ def command(
     if source is None:
         source = _find_live_source()
     check_source(source)
-    from neurotouch_hid.driver.gel_settings import choose_gel
+    from neurotouch_hid.driver.gel_file import choose_gel
     from neurotouch_hid.recording import (
         ClipWriter,
         Recorder,

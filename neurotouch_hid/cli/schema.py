@@ -16,7 +16,8 @@ from neurotouch_hid.cli.ui.output import print_json
 @click.option("--line", is_flag=True, help="Print the line that refers an editor to the schema.")
 def command(what: str, line: bool) -> None:
     """Print the JSON Schema of a profile, of your own values (user) or of a gel."""
-    from neurotouch_hid.driver.gel_settings import find_gel_folder, gel_schema
+    from neurotouch_hid.driver.gel_file import find_gel_folder
+    from neurotouch_hid.driver.gel_settings import gel_schema
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import profile_schema, user_schema
     from neurotouch_hid.profile.editing import MODELINE, find_schema

@@ -12,7 +12,7 @@ from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 if TYPE_CHECKING:
-    from neurotouch_hid.driver.gel_settings import ChosenGel
+    from neurotouch_hid.driver.gel_file import ChosenGel
     from neurotouch_hid.source.simulator.dataset import KnownRig
 
 
@@ -136,7 +136,7 @@ def command(
     there. A set that was made with other options is never replaced without --force.
     """
     from neurotouch_hid.cli.shared.command_line import make_command_line
-    from neurotouch_hid.driver.gel_settings import choose_gel
+    from neurotouch_hid.driver.gel_file import choose_gel
     from neurotouch_hid.source.simulator.dataset import Progress, write_dataset
     from neurotouch_hid.source.simulator.gel import ELASTICITIES
     from neurotouch_hid.source.simulator.nuisances import read_nuisances

@@ -18,7 +18,7 @@ from neurotouch_hid.doctor.event_cameras import judge_events
 from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.doctor.video import judge_pictures
 from neurotouch_hid.driver.camera_settings import load_camera_config
-from neurotouch_hid.driver.gel_settings import choose_gel
+from neurotouch_hid.driver.gel_file import choose_gel
 from neurotouch_hid.errors import NotRunningError
 from neurotouch_hid.gel_picture import GREEN, RED, YELLOW, find_picture, save_picture
 from neurotouch_hid.gel_sentences import explain_gel, name_dots

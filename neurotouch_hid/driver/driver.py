@@ -13,7 +13,7 @@ from neurotouch_hid.driver.attachments import Attachments
 from neurotouch_hid.driver.check import check_copilot
 from neurotouch_hid.driver.chosen import Chosen, choose_first
 from neurotouch_hid.driver.control_socket import ControlSocket
-from neurotouch_hid.driver.gel_settings import choose_gel
+from neurotouch_hid.driver.gel_file import choose_gel
 from neurotouch_hid.driver.kernel_loading import load_kernels
 from neurotouch_hid.driver.last_gel import LastGel
 from neurotouch_hid.driver.missing_dots import MissingDots

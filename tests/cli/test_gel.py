@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from neurotouch_hid.cli.main import cli
-from neurotouch_hid.driver.gel_settings import find_gel_folder, load_gel
+from neurotouch_hid.driver.gel_file import find_gel_folder, load_gel
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.geometry import PAPER_GEL
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.driver.camera_settings import CameraSettings
-from neurotouch_hid.driver.gel_settings import load_gel
+from neurotouch_hid.driver.gel_file import load_gel
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.profile import check_content
 from neurotouch_hid.profile.reading.load import load_settings

@@ -11,7 +11,7 @@ import pytest
 from neurotouch_hid.doctor.finding import CheckStatus
 from neurotouch_hid.doctor.gel import Seen, examine_frames
 from neurotouch_hid.doctor.gel_score import score_gel
-from neurotouch_hid.driver.gel_settings import load_gel_file
+from neurotouch_hid.driver.gel_file import load_gel_file
 from neurotouch_hid.gel_making.plan import make_plan
 from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Rig
 from neurotouch_hid.messages import Frame

@@ -19,7 +19,7 @@ from neurotouch_hid.doctor.hello.answers import Word, answer_all, compare
 from neurotouch_hid.doctor.hello.archive import make_report, write_archive
 from neurotouch_hid.doctor.hello.camera_facts import read_davis, read_opened
 from neurotouch_hid.doctor.hello.session import PROMPTS, Session
-from neurotouch_hid.driver.gel_settings import load_gel_file
+from neurotouch_hid.driver.gel_file import load_gel_file
 from neurotouch_hid.gel_making.plan import make_plan
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.gesture import GestureConfig

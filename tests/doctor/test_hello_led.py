@@ -10,7 +10,7 @@ from neurotouch_hid.cli.hello import command
 from neurotouch_hid.doctor.hello.answers import Word, answer_all
 from neurotouch_hid.doctor.hello.led import N_FLASHES, LedMeter
 from neurotouch_hid.doctor.hello.session import LED, Session
-from neurotouch_hid.driver.gel_settings import load_gel_file
+from neurotouch_hid.driver.gel_file import load_gel_file
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.gel_making.plan import make_plan
 from neurotouch_hid.gesture import GestureConfig

@@ -20,7 +20,8 @@ from neurotouch_hid.doctor.hello.rig_settings import (
     load_rig,
 )
 from neurotouch_hid.doctor.hello.session import PROMPTS, Session
-from neurotouch_hid.driver.gel_settings import GelSettings, load_gel_file
+from neurotouch_hid.driver.gel_file import load_gel_file
+from neurotouch_hid.driver.gel_settings import GelSettings
 from neurotouch_hid.errors import NeuroTouchError, ProfileError, RecordingError
 from neurotouch_hid.gel_making.plan import make_plan
 from neurotouch_hid.geometry import PAPER_GEL, Rig, fit_rig

@@ -12,7 +12,7 @@ from neurotouch_hid.doctor.hello.answers import Word, answer_all
 from neurotouch_hid.doctor.hello.camera_facts import judge_stream, read_opened, read_stream
 from neurotouch_hid.doctor.hello.rig_settings import load_rig
 from neurotouch_hid.doctor.hello.session import LIGHT, PROMPTS, REST, Session
-from neurotouch_hid.driver.gel_settings import load_gel_file
+from neurotouch_hid.driver.gel_file import load_gel_file
 from neurotouch_hid.gel_making.plan import make_plan
 from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.source.events.source import EventCameraSource

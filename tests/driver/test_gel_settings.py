@@ -7,12 +7,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.driver.control_socket import ControlSocket
-from neurotouch_hid.driver.gel_settings import (
-    choose_gel,
-    find_gel_file,
-    find_gel_folder,
-    load_gel,
-)
+from neurotouch_hid.driver.gel_file import choose_gel, find_gel_file, find_gel_folder, load_gel
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.geometry import PAPER_GEL
 

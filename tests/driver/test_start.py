@@ -3,7 +3,7 @@
 import pytest
 
 from neurotouch_hid.driver import Driver, DriverOptions, driver
-from neurotouch_hid.driver.gel_settings import ChosenGel
+from neurotouch_hid.driver.gel_file import ChosenGel
 from neurotouch_hid.errors import DeviceError, NotRunningError, SourceError
 from neurotouch_hid.geometry import PAPER_GEL
 

@@ -8,7 +8,7 @@ from pydantic import BaseModel
 
 from neurotouch_hid.device.outputs.identity import choose_identity
 from neurotouch_hid.driver.camera_settings import CameraSettings
-from neurotouch_hid.driver.gel_settings import load_gel
+from neurotouch_hid.driver.gel_file import load_gel
 from neurotouch_hid.driver.service_settings import ServiceSettings
 from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DeviceError, ProfileError, RecordingError

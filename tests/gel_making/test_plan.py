@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.driver.gel_settings import load_gel_file
+from neurotouch_hid.driver.gel_file import load_gel_file
 from neurotouch_hid.driver.making_settings import Camera
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.gel_making.cameras import CAMERAS, HANDS, WAYS, write_gel_file

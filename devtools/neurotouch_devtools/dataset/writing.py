@@ -11,7 +11,7 @@ from typing import Final
 
 from neurotouch_devtools.dataset.checksums import CHECKSUMS, format_checksums, list_checksums
 from neurotouch_devtools.dataset.edition import EDITION, Part
-from neurotouch_hid.driver.gel_settings import choose_gel
+from neurotouch_hid.driver.gel_file import choose_gel
 from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.process.own_pool import open_pool
 from neurotouch_hid.source.simulator.dataset import Progress, write_dataset

@@ -53,7 +53,7 @@ def command(
     """
     from neurotouch_hid.doctor.gel import GelView, examine_frames
     from neurotouch_hid.doctor.gel_score import score_gel
-    from neurotouch_hid.driver.gel_settings import find_gel_file, load_gel_file
+    from neurotouch_hid.driver.gel_file import find_gel_file, load_gel_file
     from neurotouch_hid.gel_making.plan import make_plan
     from neurotouch_hid.source.check import check_source
 

@@ -22,7 +22,7 @@ def command(out: Path, gel: str | None, force: bool) -> None:
 
     The way that gel.yaml names decides which files. The same file gives the same bytes.
     """
-    from neurotouch_hid.driver.gel_settings import find_gel_file, load_gel_file
+    from neurotouch_hid.driver.gel_file import find_gel_file, load_gel_file
     from neurotouch_hid.gel_making.folder import PAGE, make_files, write_folder
     from neurotouch_hid.gel_making.plan import make_plan
 

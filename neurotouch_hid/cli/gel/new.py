@@ -59,7 +59,8 @@ def command(
 
     What the options do not say is asked. A file that is there stays as it is without --force.
     """
-    from neurotouch_hid.driver.gel_settings import FILE, GelSettings, find_gel_folder
+    from neurotouch_hid.driver.gel_file import FILE, find_gel_folder
+    from neurotouch_hid.driver.gel_settings import GelSettings
     from neurotouch_hid.gel_making.cameras import CAMERAS, HANDS, WAYS, write_gel_file
     from neurotouch_hid.gel_making.plan import make_plan
     from neurotouch_hid.profile.reading import parse_settings

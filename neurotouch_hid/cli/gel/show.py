@@ -24,7 +24,7 @@ _COLUMNS, _ROWS = 61, 31
 @json_option
 def command(file: str | None, svg: Path | None, plain: bool, as_json: bool) -> None:
     """Draw the gel with its camera; without FILE, yours, or the paper's if you have none."""
-    from neurotouch_hid.driver.gel_settings import find_gel_file, load_gel_file
+    from neurotouch_hid.driver.gel_file import find_gel_file, load_gel_file
     from neurotouch_hid.gel_making.drawings import draw_cut
     from neurotouch_hid.gel_making.plan import make_plan
 

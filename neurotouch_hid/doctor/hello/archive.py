@@ -16,7 +16,7 @@ from neurotouch_hid.doctor.hello.answers import answer_all, compare
 from neurotouch_hid.doctor.hello.rig_fitting import fit_rig_settings
 from neurotouch_hid.doctor.hello.rig_settings import FILE, GEL_FILE, CameraKind
 from neurotouch_hid.doctor.hello.session import Session, Span
-from neurotouch_hid.driver.gel_settings import GelFile
+from neurotouch_hid.driver.gel_file import GelFile
 from neurotouch_hid.partial_file import PartialFile
 from neurotouch_hid.vocabulary import SourceKind
 

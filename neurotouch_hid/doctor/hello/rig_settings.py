@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final, Literal, NamedTuple
 
 from pydantic import Field
 
-from neurotouch_hid.driver.gel_settings import ChosenGel, parse_gel
+from neurotouch_hid.driver.gel_file import ChosenGel, parse_gel
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES
 from neurotouch_hid.files.zip_parts import read_parts

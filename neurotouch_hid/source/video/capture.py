@@ -252,7 +252,7 @@ class CaptureDevice(Closing):
             raise self._explain(error, what) from error
 
     def try_call(self, number: int, argument: ctypes.Structure, what: str) -> bool:
-        """Does the same as ``call``; returns False if there is nothing yet."""
+        """Makes one call of V4L2; returns False if there is nothing yet."""
         try:
             self._linux.call(self._require_open(), number, argument)
         except OSError as error:
