@@ -1,20 +1,17 @@
 """``neurotouch record``: writes events and frames, or the pictures of a video, to a file."""
 
-import logging
-import shutil
 import signal
 import sys
-import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from neurotouch_hid import __version__
+from neurotouch_hid.cli.record_progress import RecordingProgress
 from neurotouch_hid.cli.ui.options import Finite, gel_option
 from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 from neurotouch_hid.errors import (
@@ -40,9 +37,6 @@ _PATIENCE_S = 10.0
 
 _MAX_DELAY_US = 10_000_000
 """Longest delay of slices in the camera's queue: a recording needs late slices, too."""
-
-_TERMINAL_S, _PLAIN_S = 1.0, 10.0
-"""Interval of progress reports: in one line on a terminal, else line by line."""
 
 
 class _Opened(NamedTuple):
@@ -139,7 +133,7 @@ def command(
             recorder = Recorder(RecordingWriter(out, in_place=True, simulation=mark, sensor=sensor))
         simulated = "" if mark is None else "SIMULATED "
         echo(f"Recording {simulated}{opened.name} to {out}. Ctrl-C ends.", err=True)
-        with _Progress(recorder, out, plain=plain or not sys.stderr.isatty()):
+        with RecordingProgress(recorder, out, plain=plain or not sys.stderr.isatty()):
             try:
                 with _until_interrupted():
                     _record(opened, recorder, seconds)
@@ -344,69 +338,6 @@ def _restore_signals() -> None:
     """Lets signals end the process as usual from now on: everything is written."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)
-
-
-class _AboveLine(logging.Handler):
-    """Writes log messages above the line of progress, not into it."""
-
-    def emit(self, record: logging.LogRecord) -> None:
-        click.echo(f"\r\x1b[K{self.format(record)}", err=True)
-
-
-class _Progress:
-    """Reports progress in a separate thread, so that it also appears while the source is silent."""
-
-    def __init__(self, recorder: "Recorder", out: Path, *, plain: bool) -> None:
-        self._recorder, self._folder, self._plain = recorder, out.parent, plain
-        self._done = threading.Event()
-        self._thread = threading.Thread(target=self._work, name="progress", daemon=True)
-        self._above = _AboveLine()
-
-    def __enter__(self) -> Self:
-        if not self._plain:
-            logging.getLogger("neurotouch_hid").addHandler(self._above)
-        self._thread.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._done.set()
-        self._thread.join()
-        logging.getLogger("neurotouch_hid").removeHandler(self._above)
-
-    def _work(self) -> None:
-        period_s = _PLAIN_S if self._plain else _TERMINAL_S
-        before = self._recorder.stats()
-        while not self._done.wait(period_s):
-            now = self._recorder.stats()
-            line = self._describe(before, now)
-            click.echo(line if self._plain else f"\r\x1b[K{line}", err=True, nl=self._plain)
-            before = now
-        if not self._plain:
-            click.echo("\r\x1b[K", err=True, nl=False)
-
-    def _describe(self, before: "RecorderStats", now: "RecorderStats") -> str:
-        """Returns the progress in words; rates are per second of the source's time."""
-        free = shutil.disk_usage(self._folder).free
-        seconds, grown = now.seconds - before.seconds, now.size_bytes - before.size_bytes
-        per_second = 1.0 / seconds if seconds else 0.0
-        parts = [
-            f"{now.seconds:.0f} s",
-            f"{(now.events - before.events) * per_second:,.0f} events/s",
-            f"{(now.frames - before.frames) * per_second:.0f} frames/s",
-            f"{now.lost_before + now.lost_here:,} events lost",
-            f"{now.size_bytes / 1e6:,.0f} MB",
-            f"{free / 1e9:,.1f} GB free",
-        ]
-        if not seconds:
-            parts.append("WARNING no data from the source")
-        elif grown:
-            parts.append(f"room for {free / grown * seconds / 60:,.0f} min")
-        return ", ".join(parts)
 
 
 def _tell(
