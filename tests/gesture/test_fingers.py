@@ -74,6 +74,38 @@ def test_a_finger_in_the_wrong_place_is_searched_for_again():
     np.testing.assert_allclose(found(fingers)[1], [4.0, -4.0], atol=0.5)
 
 
+def test_fingers_whose_markers_have_lost_their_trust_are_searched_for_again():
+    """A hand drags where no finger was found while it pressed."""
+    hand = np.array([[-11.0, 5.0], [-13.5, -12.5], [1.0, -5.3]])
+    inward = hand.mean(axis=0) - hand
+    inward /= np.hypot(*inward.T)[:, None]
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    fingers.update(field(hand, 0.4 * inward), SEES_ALL, 0.05, forming=True)
+    fit, moved = fingers.fits[NOW], field(hand, 3.0 * inward)
+    fit["count"] = 3
+    fit["centres"], fit["motions"] = [[0.0, -24.0], [-22.0, -9.0], [6.0, 6.0]], [0.3, 0.2, 0.0]
+    fit["radii"], fit["trust"], fit["largest_mm"], fit["residual"] = 6.5, 3.0, 0.5, moved
+    for _ in range(4):
+        motion = fingers.update(moved, SEES_ALL, 0.05, forming=False)
+    assert motion.n_fingers == 3
+    assert motion.largest_mm == pytest.approx(3.0, abs=0.3)
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+def test_a_single_marker_that_follows_a_wrong_dot_makes_no_finger(way):
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    rng = np.random.default_rng(4)
+    for size_mm in np.minimum(np.arange(0.1, 5.0, 0.1), 0.6):
+        moved = field(PLACES[:1], np.array([[size_mm, 0.0]]))
+        moved[100] += (0.0, 4.0 * way)  # far from the finger, by the pitch
+        moved += rng.normal(0.0, 0.03, moved.shape)
+        motion = fingers.update(moved, SEES_ALL, 0.05, forming=True)
+    assert motion.n_fingers == 1
+    assert motion.largest_mm == pytest.approx(0.6, abs=0.1)
+
+
 def test_slices_of_any_length_trust_and_check_their_fingers_alike():
     trust, searches = [], []
     for step_us in (1_000, 4_000, 10_000):

@@ -18,16 +18,17 @@ def test_markers_far_off_the_fit_are_trusted_less(seed, limit_mm2):
     rng = np.random.default_rng(seed)
     moved, residual = rng.normal(0, 3, (40, 2)), rng.normal(0, 1, (40, 2))
     use, weight = rng.random(40) < 0.8, np.empty(40)
-    total, field = weigh_markers(use, moved, residual, limit_mm2, weight)
+    total, field, hidden = weigh_markers(use, moved, residual, limit_mm2, weight)
     expected = use / (1.0 + ((residual**2).sum(axis=1) / limit_mm2) ** 2)
     np.testing.assert_allclose(weight, expected, rtol=1e-12)
     assert total == pytest.approx(expected.sum())
     assert field == pytest.approx((expected * (moved**2).sum(axis=1)).sum())
+    assert hidden == pytest.approx(((use - expected) * (residual**2).sum(axis=1)).sum())
 
 
 def test_without_a_fit_all_measured_markers_are_trusted():
     use, moved, weight = np.array([True, False]), np.ones((2, 2)), np.empty(2)
-    assert weigh_markers(use, moved, moved, np.inf, weight) == (1.0, 2.0)
+    assert weigh_markers(use, moved, moved, np.inf, weight) == (1.0, 2.0, 0.0)
     assert weight.tolist() == [1.0, 0.0]
 
 

@@ -58,6 +58,8 @@ class FingerConfig:
         outlier: residual that halves a marker's weight, in standard errors.
         most_unexplained: if the followed fingers leave more than this share of the field's squares,
             and more than the required sum of one finger, fingers are searched for from nothing.
+        most_hidden: if markers without trust leave more than this share of the field's squares, and
+            more than the required sum of one finger, all markers count in a search from nothing.
         still_share: a finger takes no part in the gesture if it moves less than this share of the
             largest motion. With 0, a finger that drags towards a still one makes a pinch. Beside a
             resting hand such a still finger only rests, so it needs a larger value.
@@ -78,6 +80,7 @@ class FingerConfig:
     model_error: float = 0.05
     outlier: float = 8.0
     most_unexplained: float = 0.4
+    most_hidden: float = 0.2
     still_share: float = 0.0
     least_mm: float = 0.2
     least_noise_mm: float = 0.06

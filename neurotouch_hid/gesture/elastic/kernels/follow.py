@@ -43,6 +43,10 @@ TAKEN_US = 60_000  # time constant of how much of the whole gel the fingers take
 MOST_TAKEN = 0.3  # of their motion; more is the rig
 SMALL_MM = 0.5  # fingers that have moved less take nothing along
 
+LEAST_REGAINED = 3.0
+"""Fingers that are found by all markers must explain this many more of them than those that are
+followed. A finger covers eight; single markers follow wrong dots."""
+
 STEPS_NONE, STEPS_ON, STEPS_LESS, STEPS_MORE = np.arange(4)
 """Numbers of Gauss-Newton steps: for a finger that was just added, whose motion is unknown; for
 followed fingers; for one finger fewer; for one more. They are numpy's integers, for which numba
@@ -77,7 +81,7 @@ def follow(
     is_due = fingers.unchecked_us >= CHECK_US
     fingers.unchecked_us %= CHECK_US
     fingers.noise_mm = max(fingers.slice.noise_mm, rules.least_noise_mm)
-    total, field = _weigh(fits[NOW], fingers, rules, use)
+    total, field, hidden = _weigh(fits[NOW], fits[NOW], fingers, rules, use)
     fits[WARM] = fits[NOW]
     is_warm = fits[WARM].count > 0
     if is_warm:
@@ -92,13 +96,22 @@ def follow(
             _reduce(fits, fingers, gel[0], rules)
     fingers.n_checks += is_due
     found = WARM
-    if not is_warm or (is_due and forming and fingers.n_checks % 2 == 0):  # alternates with _reduce
+    is_second = is_due and fingers.n_checks % 2 == 0  # alternates with _reduce
+    is_hiding = is_due and not is_second and not falling
+    is_hiding = is_hiding and _hides(fits[NOW], fingers, rules, field, hidden)
+    if not is_warm or (is_second and forming) or is_hiding:
         fingers.unsearched_us = 0
         fingers.n_searches += 1
+        if is_hiding:
+            weigh_markers(use, fingers.moved, fingers.moved, math.inf, fingers.weight)
         is_cold = _search(fits, fingers, gel[0], rules)
         if is_cold and is_warm:
-            least = 0.9 * _score(fits[WARM], fingers, rules)
-            is_cold = _score(fits[BEST], fingers, rules) < least
+            if is_hiding:
+                regained = _weigh(fits[BEST], fits[NOW], fingers, rules, use)[0] - total
+                is_cold = regained > LEAST_REGAINED
+            else:
+                least = 0.9 * _score(fits[WARM], fingers, rules)
+                is_cold = _score(fits[BEST], fingers, rules) < least
         if is_cold:
             found = BEST
         elif not is_warm:
@@ -230,14 +243,19 @@ def _to_mm(moved_px: Floats, gel: Any, moved: Floats) -> None:
 
 
 @kernel
-def _weigh(fit: Any, fingers: Any, rules: Any, use: NDArray[np.bool_]) -> tuple[float, float]:
-    """Updates the trust in each marker; returns its sum, and the field's weighted squares, mm²."""
+def _weigh(
+    fit: Any, last: Any, fingers: Any, rules: Any, use: NDArray[np.bool_]
+) -> tuple[float, float, float]:
+    """Updates the trust in each marker by what a fit leaves of it; see ``weigh_markers``.
+
+    How much of it an error may be depends on the fit of the last slice.
+    """
     residual, limit2 = fingers.moved, math.inf
     if fit.count > 0:
-        error2 = fingers.noise_mm**2 + (rules.model_error * fit.largest_mm) ** 2
+        error2 = fingers.noise_mm**2 + (rules.model_error * last.largest_mm) ** 2
         residual, limit2 = fit.residual, rules.outlier**2 * error2
-    total, field = weigh_markers(use, fingers.moved, residual, limit2, fingers.weight)
-    return total, field
+    total, field, hidden = weigh_markers(use, fingers.moved, residual, limit2, fingers.weight)
+    return total, field, hidden
 
 
 @kernel(inline="always")
@@ -255,6 +273,18 @@ def _is_lost(fit: Any, fingers: Any, rules: Any, total: float, field: float) -> 
     unexplained = rules.most_unexplained * (field - error)
     most = max(unexplained, _required(fit, fingers, rules))
     return not (_are_apart(fit, rules) and fit.cost - error < most)
+
+
+@kernel
+def _hides(fit: Any, fingers: Any, rules: Any, field: float, hidden: float) -> bool:
+    """Returns True if the markers that have lost their trust move as much as under a finger.
+
+    They seem to follow wrong dots. But fingers that were found while a hand only pressed can be at
+    wrong places: then what the hand drags has no trust, and no fit and no search sees it.
+    """
+    least = rules.most_hidden * (field + hidden)
+    has_hidden: bool = fit.count > 0 and hidden > max(least, _required(fit, fingers, rules))
+    return has_hidden
 
 
 @kernel

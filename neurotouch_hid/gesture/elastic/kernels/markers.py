@@ -13,7 +13,7 @@ Floats = NDArray[np.float64]
 @kernel
 def weigh_markers(
     use: NDArray[np.bool_], moved: Floats, residual: Floats, limit_mm2: float, weight: Floats
-) -> tuple[float, float]:
+) -> tuple[float, float, float]:
     """Writes the trust in each marker: one far from the last fit probably follows the wrong dot.
 
     Args:
@@ -24,15 +24,18 @@ def weigh_markers(
         weight: (n,) float64 0..1, written.
 
     Returns:
-        The sum of the weights, and the weighted sum of the squared displacements, mm².
+        The sum of the weights; the weighted sum of the squared displacements, mm²; the sum of the
+        squared residuals that the weights hide, mm².
     """
-    total, field = 0.0, 0.0
+    total, field, hidden = 0.0, 0.0, 0.0
     for i in range(len(use)):
-        far = (residual[i, 0] * residual[i, 0] + residual[i, 1] * residual[i, 1]) / limit_mm2
+        square = residual[i, 0] * residual[i, 0] + residual[i, 1] * residual[i, 1]
+        far = square / limit_mm2
         weight[i] = 1.0 / (1.0 + far * far) if use[i] else 0.0
+        hidden += (1.0 - weight[i]) * square if use[i] else 0.0
         total += weight[i]
         field += weight[i] * (moved[i, 0] * moved[i, 0] + moved[i, 1] * moved[i, 1])
-    return total, field
+    return total, field, hidden
 
 
 @kernel
