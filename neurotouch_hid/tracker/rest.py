@@ -272,7 +272,7 @@ class RestDetector:
         is_rest = (
             displacement <= limit_px
             and n_found >= c.min_share * reference.n_found
-            and (distance := reference.chamfer(blobs, c.max_apart_px2)) <= c.max_chamfer_px2
+            and (distance := reference.chamfer(blobs)) <= c.max_chamfer_px2
         )
         if is_rest:
             self._kept.forget()
@@ -375,7 +375,8 @@ class RestDetector:
             blobs: its blobs.
             shown_px: (m, 2) px, the blobs of the last frame of a mean, which may show fewer.
         """
-        self._reference = reference = Reference(lattice, blobs, self._gel)
+        most_px2 = self._config.max_apart_px2
+        self._reference = reference = Reference(lattice, blobs, self._gel, most_px2)
         if shown_px is not None:
             n_shown = self._measure(shown_px, reference, lattice.position_px)[0]
             reference.n_found = min(reference.n_found, n_shown)
