@@ -101,7 +101,7 @@ class Reference:
         return True
 
     def find_moved(
-        self, blobs: Blobs, n_left_out: int, limit_px: float
+        self, blobs: Blobs, n_left_out: int, limit_px: float, n_unmoved: int
     ) -> NDArray[np.float64] | None:
         """Returns where the markers would be, (n, 2) px, if only the rig had moved.
 
@@ -109,6 +109,7 @@ class Reference:
             blobs: of a frame.
             n_left_out: markers that may be elsewhere.
             limit_px: for all others, how far a rig may leave them elsewhere.
+            n_unmoved: markers that are near their places if the rig has not moved.
 
         Returns:
             None if the gel is plainly touched: some markers are far off and most are not.
@@ -127,7 +128,6 @@ class Reference:
 
         # Specks beside the dots pull the middle of all blobs, but then it fits fewer markers.
         by_px = rigid.recentre(blobs.centroid_px, self._centre_px, self._radius_px)
-        n_unmoved = measure((0.0, 0.0))[2]
         median_px, largest_px, n_seen = measure(by_px)
         if n_seen < n_unmoved:
             by_px = (0.0, 0.0)
