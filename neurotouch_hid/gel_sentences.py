@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from neurotouch_hid.errors import GelNotFoundError
 from neurotouch_hid.geometry import NOMINAL_PITCH_PX, PAPER_GEL, Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GelProblem, GelState
 from neurotouch_hid.status import GelFacts
@@ -172,6 +173,19 @@ def explain_gel(gel: GelState) -> GelSentence:
         off_mm=round(MOST_OFF * made.pitch_mm, 2),
     )
     return GelSentence(head, why, fix)
+
+
+def require_gel(gel: GelState) -> None:
+    """Checks what is known of a gel at the end of a source.
+
+    Raises:
+        GelNotFoundError: no frame has shown it.
+    """
+    if not gel.was_found:
+        sentence = explain_gel(gel)
+        raise GelNotFoundError(
+            f"No gel was found in this source: {sentence.why}.", hint=sentence.fix or None
+        )
 
 
 def name_dots(markers: tuple[int, ...], gel: Gel = PAPER_GEL) -> str:

@@ -14,6 +14,7 @@ NONE, LZ4, LZ4_HIGH, ZSTD, ZSTD_HIGH = range(5)
 COMPRESSIONS: Final = range(5)
 """The compressions of the format, by their number."""
 
+_USUAL_BYTES: Final = 1 << 17  # most packets are read at once, which is quicker
 _SIZE: Final = struct.Struct("<I")
 _WINDOW_LOG: Final = MAX_BYTES.bit_length() - 1  # what the decoder of Zstandard itself may take
 
@@ -45,15 +46,15 @@ def decompress(data: bytes, compression: int) -> bytes | memoryview:
         return memoryview(data)[_SIZE.size :]
     decoder, failures = _make_decoder(compression)
     try:
-        head = decoder.decompress(data, _SIZE.size)
-        size = _read_size(head)
-        body = b"" if decoder.eof or not size else decoder.decompress(b"", size)
-        rest = b"" if decoder.eof else decoder.decompress(b"", 1)
+        content = decoder.decompress(data, _USUAL_BYTES)
+        end = _SIZE.size + _read_size(content)
+        if not decoder.eof:  # one byte more, which must not be there
+            content += decoder.decompress(b"", max(end + 1 - len(content), 1))
     except failures as error:
         raise ValueError(str(error)) from error
-    if len(body) < size or rest or not decoder.eof or decoder.unused_data:
+    if len(content) != end or not decoder.eof or decoder.unused_data:
         raise ValueError("the compressed data do not end with the packet")
-    return bytes(body)
+    return memoryview(content)[_SIZE.size :]
 
 
 def _read_size(head: bytes) -> int:

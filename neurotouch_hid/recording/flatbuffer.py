@@ -55,6 +55,9 @@ class FlatTable:
         return self._at + offset if offset else None
 
     def _unpack(self, kind: str, at: int) -> int:
-        if not 0 <= at <= len(self._data) - struct.calcsize(kind):
-            raise ValueError("a field lies outside")
-        return int(struct.unpack_from(kind, self._data, at)[0])
+        try:
+            if at >= 0:  # what is less would count from the end
+                return int(struct.unpack_from(kind, self._data, at)[0])
+        except struct.error:
+            pass
+        raise ValueError("a field lies outside")

@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.events import copy_events
 from neurotouch_hid.messages import EVENT_DTYPE, Frame
 from neurotouch_hid.recording.container import Container, DamageError
 from neurotouch_hid.recording.header import Stream
+from neurotouch_hid.recording.kernels import events as kernels
 from neurotouch_hid.recording.sensor import DAVIS346, LARGEST_PX
 from neurotouch_hid.recording.unpacking import (
     MAX_STAMP_US,
@@ -214,35 +216,25 @@ class _Reading:
 
     def _check_events(self, given: NDArray[np.void]) -> NDArray[np.void]:
         """Returns our own records of some events: in the picture and ascending."""
-        events = np.zeros(len(given), EVENT_DTYPE)
-        for name in ("t", "x", "y"):
-            events[name] = given[name]
-        events["p"] = given["p"].view(np.uint8) != 0
-        for name, size in zip("xy", self._size_px, strict=True):
-            if events[name].view(np.uint16).max() >= size:
-                raise RecordingError(
-                    f"'{self._path}' has an event outside its {self._size_px[0]}×"
-                    f"{self._size_px[1]} pixels.",
-                    hint="The file is damaged or of another camera.",
-                )
-        t = events["t"]
-        for impossible in (int(t.min()), int(t.max())):
+        events = copy_events(given)
+        is_outside, *stamps_us, before_us, after_us, last_us = kernels.check_events(
+            events.view(np.int64), *self._size_px, self._last_us, TOLERATED_STEP_BACK_US
+        )
+        if is_outside:
+            raise RecordingError(
+                f"'{self._path}' has an event outside its {self._size_px[0]}×"
+                f"{self._size_px[1]} pixels.",
+                hint="The file is damaged or of another camera.",
+            )
+        for impossible in stamps_us:
             if not 0 <= impossible < MAX_STAMP_US:
                 raise RecordingError(f"'{self._path}' has an impossible stamp ({impossible} µs).")
-        if t[0] < self._last_us or (t[1:] < t[:-1]).any():
-            t[:] = self._straighten(t)
-        self._require(self._event_rate.allows(len(t), int(t[-1])), "events")
-        self._first_us = int(t[0]) if self._first_us is None else self._first_us
-        self._last_us = int(t[-1])
+        self._check_order(before_us, after_us)
+        self._require(self._event_rate.allows(len(events), last_us), "events")
+        if self._first_us is None:
+            self._first_us = int(events["t"][0])
+        self._last_us = last_us
         return events
-
-    def _straighten(self, t: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Returns the stamps, each no earlier than the one before."""
-        reached = np.maximum(np.maximum.accumulate(t), self._last_us)
-        back = np.flatnonzero(reached - t > TOLERATED_STEP_BACK_US)
-        if len(back):
-            self._check_order(int(reached[back[0]]), int(t[back[0]]))
-        return reached
 
     def _take_frame(self, data: bytes | memoryview) -> Iterator[Frame]:
         frame = unpack_frame(data)

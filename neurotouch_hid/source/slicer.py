@@ -132,9 +132,11 @@ class Slicer:
         """Returns the packet up to ``end_us``: the parts kept so far and ``tail``."""
         parts = [*self._parts, tail] if len(tail) else self._parts
         events = parts[0] if len(parts) == 1 else join_events(parts)
-        frames = [f for f in self._frames if f.exposure_end_us < end_us]
-        frames.sort(key=lambda f: f.exposure_end_us)
-        self._frames = [f for f in self._frames if f.exposure_end_us >= end_us]
+        frames = list[Frame]()
+        if self._frames:
+            frames = [f for f in self._frames if f.exposure_end_us < end_us]
+            frames.sort(key=lambda f: f.exposure_end_us)
+            self._frames = [f for f in self._frames if f.exposure_end_us >= end_us]
         begin_us = self._begin_us
         assert begin_us is not None  # noqa: S101 - a slice that ends has begun
         self._begin_us, self._end_us = end_us, None

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.messages import Frame, RestField
+from neurotouch_hid.process.kernel_cache import bind
 from neurotouch_hid.tracker.blobs import Blobs
 from neurotouch_hid.tracker.kernels import correction, frames_alone
 from neurotouch_hid.tracker.kernels import neighbours as neighbour_kernels
@@ -18,8 +19,13 @@ class FrameCorrection:
 
     def __init__(self, tracks: track_kernels.Tracks, tuning: track_kernels.Tuning) -> None:
         self._tracks, self._tuning = tracks, tuning
-        self._expected_px = np.empty_like(tracks.rest_px)
-        self._spread_px = np.empty(len(tracks.rest_px))
+        n = len(tracks.rest_px)
+        self._correct = bind(correction.correct, tracks, tuning)
+        self._compare = bind(correction.compare, tracks)
+        self._shift = bind(track_kernels.shift, tracks)
+        self._everyone = np.arange(n)
+        self._by_px, self._astray = np.empty((n, 2)), np.empty(n, np.bool_)
+        self._expected_px, self._spread_px = np.empty((n, 2)), np.empty(n)
 
     def follow(self, frame: Frame, blobs: Blobs) -> None:
         """Moves all tracks to the blobs of a frame, where no events come between frames."""
@@ -35,17 +41,11 @@ class FrameCorrection:
     def apply(self, frame: Frame, blobs: Blobs) -> None:
         """Corrects all tracks by the blobs of a frame whose exposure has ended recently."""
         begin_us = min(frame.exposure_begin_us, frame.exposure_end_us - _MIN_EXPOSURE_US)
-        seen, by_px = correction.correct(
-            begin_us,
-            frame.t_us,
-            frame.exposure_end_us,
-            blobs.centroid_px,
-            blobs.begin,
-            self._tracks,
-            self._tuning,
+        seen, by_px = self._correct(
+            begin_us, frame.t_us, frame.exposure_end_us, blobs.centroid_px, blobs.begin
         )
         if len(seen):
-            track_kernels.shift(seen, by_px, self._tracks)
+            self._shift(seen, by_px)
 
     def anchor(self, rest: RestField, *, is_followed: bool = False) -> None:
         """Corrects all tracks by a frame that shows the gel at rest; the frame may be late.
@@ -55,16 +55,13 @@ class FrameCorrection:
         At rest the position identifies each marker. A track that was elsewhere had followed a
         neighbour, so it moves to the place that its own neighbours give.
         """
-        then_px = np.empty_like(self._expected_px)
-        if not correction.recall(rest.t_us, self._tracks, then_px):
+        tracks, astray = self._tracks, self._astray
+        n_astray = self._compare(rest.t_us, rest.position_px, _MAX_ASTRAY_PX, self._by_px, astray)
+        if n_astray < 0:
             return
-        tracks = self._tracks
-        error = rest.position_px - then_px
-        astray = np.hypot(*error.T) > _MAX_ASTRAY_PX
         if not is_followed:
-            track_kernels.shift(np.flatnonzero(~astray), error[~astray], tracks)
-        tracks.lost[~astray & (tracks.state["n_missed"] < correction.MAX_MISSED)] = False
-        if not astray.any():
+            self._shift(self._everyone, self._by_px)
+        if not n_astray:
             return
         t_us = float(tracks.state["t_us"].max())
         now_px = np.stack([tracks.state["x"], tracks.state["y"]], axis=1)

@@ -107,7 +107,7 @@ class QuietReturn:
         is_alone = np.hypot(*own_px.T) > ALONE_PX + np.hypot(*with_px.T)
         together, alone = (-math.expm1(-1e-6 * us / s) for s in (PULL_S, ALONE_S))
         own_px *= np.where(is_alone, alone, together)[:, None]
-        shift(self._everyone, -together * with_px - own_px, tracks)
+        shift(tracks, self._everyone, -together * with_px - own_px)
 
 
 def _measure(moved_px: NDArray[np.float64]) -> float:

@@ -23,12 +23,18 @@ _TURN_RATIO = 1.5  # a turn moves no marker farther than so many times the media
 class Reference:
     """The gel at rest: marker positions, and white pixels for the Chamfer distance.
 
+    Args:
+        lattice: the markers.
+        blobs: of the frame that shows them.
+        gel: the gel.
+        most_px2: a larger distance of a single white pixel counts as this one.
+
     Attributes:
         position_px: (n, 2) float64 px, the mean of the first frames at rest; never changed in
             place.
     """
 
-    def __init__(self, lattice: Lattice, blobs: Blobs, gel: Gel) -> None:
+    def __init__(self, lattice: Lattice, blobs: Blobs, gel: Gel, most_px2: int) -> None:
         self.bend_px = lattice.bend_px
         self.n_found = lattice.n_found
         rig = fit_rig(lattice.position_px, gel)
@@ -37,7 +43,7 @@ class Reference:
         reach = np.hypot(*(lattice.position_px - rig.centre_px).T).max()
         self._radius_px = float(reach) + gel.pitch_mm * rig.px_per_mm
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
-        self._mask = np.zeros(shape, np.uint8)
+        self._mask, self._most_px2 = np.zeros(shape, np.uint8), most_px2
         self._distance_px2 = np.empty(shape, np.int32)
         self._white = np.empty(SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX, np.int32)
         self._match = np.empty(gel.n_markers, np.int32)
@@ -57,7 +63,7 @@ class Reference:
         self._centre_px = self.position_px.mean(axis=0)
         self._pixels = self._white_pixels(blobs).copy()
         self._mask.flat[self._pixels] = 1
-        kernels.distance_map(self._mask, self._distance_px2)
+        kernels.distance_map(self._mask, self._most_px2, self._distance_px2)
         self._mask.flat[self._pixels] = 0
 
     def add(self, t_us: int, blobs: Blobs, match: NDArray[np.int32]) -> bool:
@@ -95,7 +101,7 @@ class Reference:
         return True
 
     def find_moved(
-        self, blobs: Blobs, n_left_out: int, limit_px: float
+        self, blobs: Blobs, n_left_out: int, limit_px: float, n_unmoved: int
     ) -> NDArray[np.float64] | None:
         """Returns where the markers would be, (n, 2) px, if only the rig had moved.
 
@@ -103,6 +109,7 @@ class Reference:
             blobs: of a frame.
             n_left_out: markers that may be elsewhere.
             limit_px: for all others, how far a rig may leave them elsewhere.
+            n_unmoved: markers that are near their places if the rig has not moved.
 
         Returns:
             None if the gel is plainly touched: some markers are far off and most are not.
@@ -121,7 +128,6 @@ class Reference:
 
         # Specks beside the dots pull the middle of all blobs, but then it fits fewer markers.
         by_px = rigid.recentre(blobs.centroid_px, self._centre_px, self._radius_px)
-        n_unmoved = measure((0.0, 0.0))[2]
         median_px, largest_px, n_seen = measure(by_px)
         if n_seen < n_unmoved:
             by_px = (0.0, 0.0)
@@ -146,16 +152,11 @@ class Reference:
         )
         return self._white[:n]
 
-    def chamfer(self, blobs: Blobs, most_px2: int) -> float:
-        """Returns the Chamfer distance of a frame, px²; infinite without any white pixel.
-
-        Args:
-            blobs: of the frame.
-            most_px2: a larger distance of a single pixel counts as this one.
-        """
+    def chamfer(self, blobs: Blobs) -> float:
+        """Returns the Chamfer distance of a frame, px²; infinite without any white pixel."""
         pixels = self._white_pixels(blobs)
         if not len(pixels):
             return float("inf")
         return float(
-            kernels.chamfer(pixels, self._mask, self._pixels, self._distance_px2, most_px2)
+            kernels.chamfer(pixels, self._mask, self._pixels, self._distance_px2, self._most_px2)
         )

@@ -140,7 +140,7 @@ class RestDetector:
         self._finder = finder or BlobFinder(self._config.blobs, gel)
         self._reference: Reference | None = None
         self._camera: EventCamera | None = EventCamera(self._lattice, rig, near_rad)
-        self._match = np.empty(gel.n_markers, np.int32)
+        self._match, self._moved_match = np.empty((2, gel.n_markers), np.int32)
         self._paced_us: int | None = None
         self._is_paced = False
         self._moved_px: NDArray[np.float64] | None = None
@@ -261,18 +261,19 @@ class RestDetector:
     def _compare(self, frame: Frame, blobs: Blobs, reference: Reference) -> RestField | None:
         """Returns all markers if white pixels and markers are at the places of the reference."""
         c, limit_px = self._config, self._config.max_displacement_mm * reference.px_per_mm
-        n_found, displacement = self._measure(blobs.centroid_px, reference, reference.position_px)
+        before_px = reference.position_px
+        n_found, displacement = self._measure(blobs.centroid_px, reference, before_px, self._match)
         if displacement > _RIG_SHARE * limit_px:
-            self._follow_rig(frame, blobs, reference, limit_px)
-            # Also if it was not followed: other places have been measured in between.
-            n_found, displacement = self._measure(
-                blobs.centroid_px, reference, reference.position_px
-            )
+            self._follow_rig(frame, blobs, reference, limit_px, n_found)
+            if reference.position_px is not before_px:
+                n_found, displacement = self._measure(
+                    blobs.centroid_px, reference, reference.position_px, self._match
+                )
         distance = float("nan")
         is_rest = (
             displacement <= limit_px
             and n_found >= c.min_share * reference.n_found
-            and (distance := reference.chamfer(blobs, c.max_apart_px2)) <= c.max_chamfer_px2
+            and (distance := reference.chamfer(blobs)) <= c.max_chamfer_px2
         )
         if is_rest:
             self._kept.forget()
@@ -296,32 +297,33 @@ class RestDetector:
         centroid_px: NDArray[np.float64],
         reference: Reference,
         position_px: NDArray[np.float64],
+        match: NDArray[np.int32],
     ) -> tuple[int, float]:
-        """Returns how many markers are seen near their places, and how far they are off, px."""
+        """Returns how many markers are seen near their places, and how far they are off, px.
+
+        ``match``, (n,) int32, is written: the blob of each; negative without one.
+        """
         n_found, displacement = matching.measure_largest(
-            position_px,
-            centroid_px,
-            reference.gate_px,
-            self._config.max_displaced,
-            self._match,
+            position_px, centroid_px, reference.gate_px, self._config.max_displaced, match
         )
         return int(n_found), float(displacement)
 
     def _follow_rig(
-        self, frame: Frame, blobs: Blobs, reference: Reference, limit_px: float
+        self, frame: Frame, blobs: Blobs, reference: Reference, limit_px: float, n_found: int
     ) -> None:
         """Moves the reference with a rig that now stands still elsewhere.
 
-        What moves rigidly is the rig: a touch leaves the gel at the rim behind.
+        What moves rigidly is the rig: a touch leaves the gel at the rim behind. So many markers are
+        seen near the places that they had so far: ``n_found``.
         """
         before, since_us = self._moved_px, frame.t_us - self._moved_us
         if before is not None and 0 <= since_us < PACE_US:  # too early to tell
             return
         self._moved_px, self._moved_us = None, frame.t_us
-        moved = reference.find_moved(blobs, self._config.max_displaced, limit_px)
+        moved = reference.find_moved(blobs, self._config.max_displaced, limit_px, n_found)
         if moved is None:
             return
-        n_found, left_px = self._measure(blobs.centroid_px, reference, moved)
+        n_found, left_px = self._measure(blobs.centroid_px, reference, moved, self._moved_match)
         rig_px = correction.median_size(moved - reference.position_px)
         enough = self._config.min_share * reference.n_found
         is_rig = n_found >= enough and left_px <= min(limit_px, MOST_LEFT * rig_px)
@@ -375,9 +377,10 @@ class RestDetector:
             blobs: its blobs.
             shown_px: (m, 2) px, the blobs of the last frame of a mean, which may show fewer.
         """
-        self._reference = reference = Reference(lattice, blobs, self._gel)
+        most_px2 = self._config.max_apart_px2
+        self._reference = reference = Reference(lattice, blobs, self._gel, most_px2)
         if shown_px is not None:
-            n_shown = self._measure(shown_px, reference, lattice.position_px)[0]
+            n_shown = self._measure(shown_px, reference, lattice.position_px, self._match)[0]
             reference.n_found = min(reference.n_found, n_shown)
         n_found = reference.n_found
         # A gel that turns in its mount is searched at its new turn from now on.

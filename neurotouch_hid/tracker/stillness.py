@@ -45,7 +45,8 @@ class Stillness:
     def __init__(self, config: StillConfig, least_dots: int) -> None:
         self._config, self._least_dots = config, least_dots
         shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
-        self._sum = np.zeros(shape, np.uint32)
+        self._sum = np.zeros(shape, np.uint32)  # of the frames, once there are two
+        self._first: Frame | None = None
         self._first_px: NDArray[np.float64] = np.empty((0, 2))
         self._before_px: NDArray[np.float64] = np.empty((0, 2))
         self._begin_us = self._n_frames = 0
@@ -67,8 +68,10 @@ class Stillness:
         before, self._before_px = self._before_px, centroid_px.copy()
         if not self._n_frames or not self._is_still(before):
             self._first_px, self._begin_us = self._before_px, frame.t_us
-            self._sum[:], self._n_frames = frame.pixels, 1
+            self._first, self._n_frames = frame, 1
             return False
+        if self._first is not None:
+            self._sum[:], self._first = self._first.pixels, None
         self._sum += frame.pixels
         self._n_frames += 1
         is_long = frame.t_us - self._begin_us >= config.still_us

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -10,6 +11,7 @@ from neurotouch_hid.cli.evaluate import command
 from neurotouch_hid.driver import REFERENCE
 from neurotouch_hid.errors import GelNotFoundError, NeuroTouchError, RecordingError
 from neurotouch_hid.evaluation.accuracy import evaluate_files, format_table
+from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.script import sequence
@@ -81,6 +83,18 @@ def test_missing_labels_are_told_before_anything_is_played(recordings, tmp_path)
     with pytest.raises(RecordingError, match=r"bare\.labels\.csv"):
         evaluate_files([recordings[0], bare], PAPER, progress=done.append)
     assert not done
+
+
+def test_a_recording_without_a_gel_is_refused(recordings, tmp_path):
+    path = tmp_path / "dark.aedat4"
+    events = np.array([(t, 5, 5, True) for t in range(0, 400_000, 1_000)], EVENT_DTYPE)
+    dark = np.zeros((260, 346), np.uint8)
+    frames = tuple(Frame(dark, t, t + 5_000) for t in range(0, 390_000, 40_000))
+    with RecordingWriter(path) as writer:
+        writer.write(EventPacket(0, 400_000, events, frames))
+    labels_path(path).write_bytes(labels_path(recordings[0]).read_bytes())
+    with pytest.raises(GelNotFoundError, match="No gel was found in this source"):
+        evaluate_files([path], PAPER)
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

@@ -8,7 +8,13 @@ from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.tracker import TrackerConfig
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
-from neurotouch_hid.tracker.kernels.correction import assign_blobs, drift, median_size, recall
+from neurotouch_hid.tracker.kernels.correction import (
+    assign_blobs,
+    compare,
+    drift,
+    median_size,
+    recall,
+)
 from neurotouch_hid.tracker.markers import make_tracks
 from tests.reference import tracker as reference
 
@@ -62,6 +68,24 @@ def test_past_positions_are_interpolated_as_far_back_as_the_ring_reaches():
     assert recall(204_000, tracks, out)
     before, after = (tracks.past_px[(tracks.common["n_checks"][0] - k) % 64] for k in (2, 1))
     np.testing.assert_allclose(out, before + 0.75 * (after - before), atol=1e-9)
+
+
+def test_tracks_are_compared_with_where_the_markers_were():
+    tracks = make_tracks(PAPER_GEL.neighbours, TrackerConfig())
+    tracks.rest_px[:] = REST_PX
+    track_kernels.place(np.arange(177), REST_PX, 1.0, 0.0, tracks, TUNING)
+    by_px, astray = np.empty((177, 2)), np.empty(177, np.bool_)
+    off_px = np.array([0.5, -0.25])
+    shown_px = (REST_PX + off_px).astype(np.float32)
+    assert compare(tracks, 2_000, shown_px, 2.0, by_px, astray) == -1  # there is no past yet
+    kernels.check(2_000, tracks, TUNING)
+    shown_px[7] += (9.0, 0.0)
+    tracks.lost[:3], tracks.state["n_missed"][:1] = True, 3
+    assert compare(tracks, 2_000, shown_px, 2.0, by_px, astray) == 1
+    assert np.flatnonzero(astray).tolist() == [7]
+    assert np.flatnonzero(tracks.lost).tolist() == [0]  # frames have missed it too often
+    expected = np.where(astray[:, None], 0.0, shown_px - REST_PX)
+    np.testing.assert_allclose(by_px, expected, atol=1e-4)
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(0.01, 3.0))

@@ -346,7 +346,7 @@ def test_slices_do_not_change_what_advance_does():
 def test_shift_moves_the_past_too():
     tracks = make_tracks(REST_PX)
     kernels.check(2_000, tracks, TUNING)
-    track_kernels.shift(np.array([5]), np.array([[30.0, -20.0]]), tracks)
+    track_kernels.shift(tracks, np.array([5]), np.array([[30.0, -20.0]]))
     np.testing.assert_allclose(tracks.past_px[0, 5], REST_PX[5] + (30.0, -20.0))
     x, y = np.rint(REST_PX[5] + (30.0, -20.0)).astype(int)
     assert find_nearest(int(x), int(y), True, 1.0, tracks) == 5

@@ -410,7 +410,7 @@ def test_a_frame_does_not_correct_a_repaired_marker_twice(gestures):
     tracker, detector = MarkerTracker(), RestDetector()
     follow(packets[:10], tracker, detector=detector)
     tracks, lagging = tracker._tracks, np.arange(0, 177, 8)
-    track_kernels.shift(lagging, np.full((len(lagging), 2), 1.6), tracks)
+    track_kernels.shift(tracks, lagging, np.full((len(lagging), 2), 1.6))
     fields = follow(packets[10:20], tracker, detector=detector)
     frame = next(k for k, p in enumerate(packets[10:20]) if p.frames)
     assert (errors(fields, truth[10:20])[frame:] < 1.0).all()

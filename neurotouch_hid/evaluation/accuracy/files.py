@@ -1,6 +1,7 @@
 """Plays labelled recordings through the pipeline and counts, on as many cores as wanted."""
 
 import signal
+import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import as_completed
@@ -20,6 +21,7 @@ from neurotouch_hid.evaluation.accuracy.metrics import summarise
 from neurotouch_hid.evaluation.accuracy.moments import WorstMoment
 from neurotouch_hid.evaluation.accuracy.origin import Origin
 from neurotouch_hid.evaluation.accuracy.tally import Tally
+from neurotouch_hid.gel_sentences import require_gel
 from neurotouch_hid.messages import Truth
 from neurotouch_hid.process.own_pool import open_pool
 from neurotouch_hid.recording import Clip, check_labelled, labels_path, read_labels
@@ -148,7 +150,11 @@ def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
             return None if source is None else source.view
 
         comparison = Comparison(LabelTrack(labels), find_view)
-        comparison.tally.host_s = driver.run([comparison]).host_s
+        begun = time.perf_counter()
+        for step in driver.steps():
+            comparison(step)
+        comparison.tally.host_s = time.perf_counter() - begun
+        require_gel(driver.pipeline.gel)
         seen = [map_truth(label, find_view()) for label in labels]
     statistics = LabelStatistics.of(seen, comparison.rig, driver.gel)
     return Played(comparison.tally, comparison.worst.ranked(), statistics)

@@ -50,7 +50,9 @@ class LabelTrack:
         share = (t_us - before.t_us) / (after.t_us - before.t_us)
         if self._going[0] != k:
             self._going = k, find_way(before.contacts_px, after.contacts_px)
-        points = before.contacts_px + share * self._going[1]
+        points = before.contacts_px
+        if len(points):  # there are none at rest, which is most of the time
+            points = points + share * self._going[1]
         intensity = before.intensity_mm + share * (after.intensity_mm - before.intensity_mm)
         return Truth(t_us, before.kind, points, intensity)
 
@@ -83,7 +85,8 @@ def find_way(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray
     """
     way = np.zeros_like(first)
     rows, columns = pair_points(first, second)
-    way[rows] = second[columns] - first[rows]
+    if rows:
+        way[rows] = second[columns] - first[rows]
     return way
 
 

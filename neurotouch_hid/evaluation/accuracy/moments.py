@@ -42,8 +42,9 @@ def measure_severity(gesture: Gesture, truth: Truth, rig: Rig) -> float:
     n_seen, n_labelled = len(gesture.contacts_px), len(truth.contacts_px)
     share = float(gesture.kind is not truth.kind)
     share += abs(n_seen - n_labelled) / max(n_seen, n_labelled, 1)
-    distances_mm = measure_distances(gesture.contacts_px, truth.contacts_px) / rig.px_per_mm
-    if len(distances_mm):
+    distances_px = measure_distances(gesture.contacts_px, truth.contacts_px)
+    if len(distances_px):
+        distances_mm = distances_px / rig.px_per_mm
         share += min(float(distances_mm.mean()) / FINGERTIP_MM, 1.0)
     strength_mm = max(gesture.intensity_mm, truth.intensity_mm)
     return float(abs(gesture.intensity_mm - truth.intensity_mm) + strength_mm * share)

@@ -86,8 +86,9 @@ class Tally:
             self.reliability.add(gesture.confidence, is_right=same_type)
         if rig is not None:
             distances = measure_distances(gesture.contacts_px, truth.contacts_px)
-            self.distance_mm[truth.kind] += float(distances.sum()) / rig.px_per_mm
-            self.distances[truth.kind] += len(distances)
+            if len(distances):
+                self.distance_mm[truth.kind] += float(distances.sum()) / rig.px_per_mm
+                self.distances[truth.kind] += len(distances)
         if truth.kind is not GestureKind.NONE:
             error_mm = abs(gesture.intensity_mm - truth.intensity_mm)
             self.intensity_error_mm[truth.kind] += error_mm

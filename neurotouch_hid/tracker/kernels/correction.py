@@ -106,26 +106,26 @@ def assign_blobs(
 
 @kernel
 def correct(
+    tracks: Tracks,
+    tuning: Tuning,
     begin_us: int,
     middle_us: int,
     end_us: int,
     points_px: NDArray[np.float64],
     begin: NDArray[np.int32],
-    tracks: Tracks,
-    tuning: Tuning,
 ) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
     """Finds which tracks the blobs of a frame move, and by how much; the caller moves them.
 
     Compiled into this, the move would take six times as long.
 
     Args:
+        tracks: changed.
+        tuning: of the tracks.
         begin_us: the start of the exposure.
         middle_us: its middle; the blobs show where the markers were then.
         end_us: its end.
         points_px: see ``assign_blobs``, as ``begin``.
         begin: where the pixels of each blob begin.
-        tracks: changed.
-        tuning: of the tracks.
 
     Returns:
         The markers (k,) intp and how far they are off, (k, 2) float64 px; none if the frame does
@@ -160,6 +160,41 @@ def correct(
         if tracks.state[i].n_missed >= MAX_MISSED:
             tracks.lost[i] = True
     return seen, by_px
+
+
+@kernel
+def compare(
+    tracks: Tracks,
+    t_us: int,
+    position_px: NDArray[np.float32],
+    most_px: float,
+    by_px: NDArray[np.float64],
+    astray: NDArray[np.bool_],
+) -> int:
+    """Finds which tracks were elsewhere at a past time; those that were not count as found.
+
+    Args:
+        tracks: ``lost`` is updated.
+        t_us: the time.
+        position_px: (n, 2) float32 px, where the markers were then.
+        most_px: a track that was farther off is astray.
+        by_px: (n, 2) float64 px, written: how far off each track was; 0 if it is astray.
+        astray: (n,) bool, written.
+
+    Returns:
+        How many are astray; -1 if the ring does not reach back, and then nothing has a meaning.
+    """
+    if not recall(t_us, tracks, by_px):
+        return -1
+    n_astray = 0
+    for i in range(len(by_px)):
+        dx, dy = position_px[i, 0] - by_px[i, 0], position_px[i, 1] - by_px[i, 1]
+        astray[i] = math.hypot(dx, dy) > most_px
+        n_astray += astray[i]
+        if not astray[i] and tracks.state[i].n_missed < MAX_MISSED:
+            tracks.lost[i] = False
+        by_px[i, 0], by_px[i, 1] = (0.0, 0.0) if astray[i] else (dx, dy)
+    return n_astray
 
 
 @kernel

@@ -266,8 +266,14 @@ def centre_blobs(
 
 
 @kernel
-def distance_map(mask: NDArray[np.uint8], out: NDArray[np.int32]) -> None:
-    """Writes the exact squared distance, px², of every pixel to the nearest one set in ``mask``."""
+def distance_map(mask: NDArray[np.uint8], most_px2: int, out: NDArray[np.int32]) -> None:
+    """Writes the squared distance, px², of every pixel to the nearest one set in ``mask``.
+
+    Args:
+        mask: (h, w) uint8.
+        most_px2: a larger distance counts as this one, so that no pixel looks farther.
+        out: (h, w) int32, written.
+    """
     h, w = mask.shape
     far = h + w
     column = np.empty((h, w), np.int64)
@@ -281,7 +287,7 @@ def distance_map(mask: NDArray[np.uint8], out: NDArray[np.int32]) -> None:
             column[y, x] = min(column[y, x], d)
     for y in range(h):
         for x in range(w):
-            best = column[y, x] ** 2
+            best = min(column[y, x] ** 2, most_px2)
             k = 1
             while k * k < best and k < w:
                 if x - k >= 0:
@@ -293,16 +299,21 @@ def distance_map(mask: NDArray[np.uint8], out: NDArray[np.int32]) -> None:
 
 
 @kernel
-def ring_distance(index: int, mask: NDArray[np.uint8]) -> int:
-    """Returns the exact squared distance, px², of one pixel to the nearest one set in ``mask``.
+def ring_distance(index: int, mask: NDArray[np.uint8], most_px2: int) -> int:
+    """Returns the squared distance, px², of one pixel to the nearest one set in ``mask``.
 
-    Searches square rings of growing size around the pixel. The result is -1 for an empty mask.
+    Searches square rings of growing size around the pixel.
+
+    Args:
+        index: of the pixel.
+        mask: (h, w) uint8.
+        most_px2: a larger distance, or none in an empty mask, counts as this one.
     """
     h, w = mask.shape
     y, x = index // w, index % w
     if mask[y, x]:
         return 0
-    best = h * h + w * w
+    best = most_px2
     k = 1
     while k * k < best and k < h + w:
         for j in range(-k, k + 1):
@@ -317,7 +328,7 @@ def ring_distance(index: int, mask: NDArray[np.uint8]) -> int:
                 ):
                     best = d
         k += 1
-    return best if k < h + w else -1
+    return best
 
 
 @kernel
@@ -334,18 +345,18 @@ def chamfer(
         now: (n,) int32 pixel indices, n > 0.
         mask: (h, w) uint8 scratch, all 0 before and after.
         reference: (m,) int32 pixel indices, m > 0.
-        reference_px2: (h, w) int32, the distance map of the reference.
+        reference_px2: (h, w) int32, the distance map of the reference, up to ``most_px2``.
         most_px2: a larger distance of a single pixel counts as this one.
     """
     flat, flat_px2 = mask.ravel(), reference_px2.ravel()
     forward = 0
     for index in now:
-        forward += min(flat_px2[index], most_px2)
+        forward += flat_px2[index]
         flat[index] = 1
     backward = 0
     for index in reference:
         if not flat[index]:
-            backward += min(ring_distance(index, mask), most_px2)
+            backward += ring_distance(index, mask, most_px2)
     for index in now:
         flat[index] = 0
     return forward / len(now) + backward / len(reference)

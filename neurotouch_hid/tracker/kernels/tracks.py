@@ -219,7 +219,7 @@ def note_frame(end_us: int, tracks: Tracks) -> None:
 
 
 @kernel
-def shift(markers: NDArray[np.intp], by_px: NDArray[np.float64], tracks: Tracks) -> None:
+def shift(tracks: Tracks, markers: NDArray[np.intp], by_px: NDArray[np.float64]) -> None:
     """Moves ``markers`` (k,) by ``by_px`` (k, 2) float64, now and in the recorded past."""
     all_px = np.zeros((len(tracks.state), 2))
     for k in range(len(markers)):

@@ -148,13 +148,15 @@ def test_distances_and_chamfer_are_exact(seed, n, m):
     p, q = (np.unique(rng.integers(0, h * w, k)).astype(np.int32) for k in (n, m))
     p_mask, q_mask = np.zeros((h, w), np.uint8), np.zeros((h, w), np.uint8)
     p_mask.flat[p], q_mask.flat[q] = 1, 1
-    q_px2 = np.empty((h, w), np.int32)
-    kernels.distance_map(q_mask, q_px2)
+    q_px2, q_near_px2 = np.empty((h, w), np.int32), np.empty((h, w), np.int32)
+    kernels.distance_map(q_mask, 1 << 30, q_px2)
+    kernels.distance_map(q_mask, 9, q_near_px2)
     p_points, q_points = ([divmod(int(i), w) for i in index] for index in (p, q))
     for y, x in rng.integers(0, (h, w), (20, 2)).tolist():
         exact = reference.squared_distance((y, x), q_points)
-        assert q_px2[y, x] == exact
-        assert kernels.ring_distance(y * w + x, q_mask) == exact
+        assert (q_px2[y, x], q_near_px2[y, x]) == (exact, min(exact, 9))
+        assert kernels.ring_distance(y * w + x, q_mask, 1 << 30) == exact
+        assert kernels.ring_distance(y * w + x, q_mask, 9) == min(exact, 9)
     scratch = np.zeros((h, w), np.uint8)
     assert kernels.chamfer(p, scratch, q, q_px2, 1 << 30) == pytest.approx(
         reference.chamfer(p_points, q_points)

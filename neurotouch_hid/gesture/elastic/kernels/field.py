@@ -182,28 +182,30 @@ def measure_gains(
     inverse: Floats,
     residual: Floats,
     weight: Floats,
+    first: int,
     gains: Floats,
 ) -> None:
-    """Writes how much of a field a finger at each site explains.
+    """Writes how much of a field a finger at each site explains, from the site ``first`` on.
 
     Args:
         atoms: (2 n, 3 s) float32, see ``fill_responses``.
         inverse: (s, 3, 3) float64, inverse of their Gram matrices.
         residual: (n, 2) float64 mm, the field.
         weight: (n,) float64, trust in each marker.
-        gains: (s or fewer,) float64 mm², written: sums of squares for the first sites.
+        first: of the sites.
+        gains: (s or fewer,) float64 mm², written from ``first`` on: sums of squares.
     """
-    p = np.zeros(3 * len(gains))
+    p = np.zeros(3 * (len(gains) - first))
     for i in range(len(residual)):
         x, y = weight[i] * residual[i, 0], weight[i] * residual[i, 1]
-        row_x, row_y = atoms[2 * i], atoms[2 * i + 1]
+        row_x, row_y = atoms[2 * i, 3 * first :], atoms[2 * i + 1, 3 * first :]
         for k in range(len(p)):
             p[k] += x * row_x[k] + y * row_y[k]
-    for s in range(len(gains)):
+    for s in range(first, len(gains)):
         gain = 0.0
         for a in range(3):
             for b in range(3):
-                gain += p[3 * s + a] * inverse[s, a, b] * p[3 * s + b]
+                gain += p[3 * (s - first) + a] * inverse[s, a, b] * p[3 * (s - first) + b]
         gains[s] = gain
 
 
@@ -251,10 +253,10 @@ def find_site(
     """
     atoms, inverse, sites, n_coarse = gel.atoms, gel.inverse, gel.sites, gel.n_coarse
     gains = np.empty(len(sites))
-    measure_gains(atoms, inverse, residual, weight, gains[:n_coarse])
+    measure_gains(atoms, inverse, residual, weight, 0, gains[:n_coarse])
     if gains[:n_coarse].max() < 0.5 * least_mm2:
         return 0, 0.0
-    measure_gains(atoms, inverse, residual, weight, gains)
+    measure_gains(atoms, inverse, residual, weight, n_coarse, gains)
     best, best_gain = 0, 0.0
     for s in range(len(sites)):
         is_free = True
