@@ -8,11 +8,26 @@ from neurotouch_hid.gesture.elastic.kind_decider import KindDecider
 from neurotouch_hid.messages import GestureKind
 
 
-def push(decision, size_mm, *, sway_mm=0.0, error_mm=0.0, rest_age_us=None):
+def push(decision, size_mm, *, sway_mm=0.0, error_mm=0.0, noise_mm=0.05, rest_age_us=None):
     """One slice of 10 ms in which one finger drags by ``size_mm``."""
     parts_mm = np.array([0.0, size_mm, 0.0, 0.0, 0.0, 0.0])
     motion = FingerMotion(1, size_mm, sway_mm, error_mm, size_mm, 0.0, 0.0, 1.0, parts_mm)
-    decision.update(10_000, motion, 0.05, rest_age_us)
+    decision.update(10_000, motion, noise_mm, rest_age_us)
+
+
+@pytest.mark.parametrize(
+    ("noise_mm", "size_mm", "kind"),
+    [
+        (0.05, 0.3, GestureKind.PUSH),
+        (0.1, 0.35, GestureKind.NONE),
+        (0.1, 0.45, GestureKind.PUSH),
+    ],
+)
+def test_a_finger_that_noise_may_have_drawn_begins_no_gesture(noise_mm, size_mm, kind):
+    decision = KindDecider()
+    for _ in range(10):
+        push(decision, size_mm, noise_mm=noise_mm)
+    assert decision.kind is kind
 
 
 def test_no_gesture_begins_while_the_gel_sways():

@@ -15,7 +15,8 @@ class KindDeciderConfig:
 
     Attributes:
         on_mm: a gesture begins above this size. People label from about 0.3 mm.
-        on_noise: a gesture begins above this size, in errors of a marker.
+        on_noise: a gesture begins above this size, in errors of a marker. A finger is searched for
+            everywhere, so noise draws larger ones than at a single place.
         again_mm: a gesture begins this far above the smallest size since the previous gesture,
             because the gel creeps back for a while.
         swing: after a gesture, the size that begins the next one rises by this share of
@@ -59,7 +60,7 @@ class KindDeciderConfig:
     """
 
     on_mm: float = 0.26
-    on_noise: float = 2.0
+    on_noise: float = 4.0
     again_mm: float = 0.1
     swing: float = 0.1
     swing_us: int = 60_000
