@@ -8,11 +8,26 @@ from neurotouch_hid.gesture.elastic.kind_decider import KindDecider
 from neurotouch_hid.messages import GestureKind
 
 
-def push(decision, size_mm, *, sway_mm=0.0, error_mm=0.0, rest_age_us=None):
+def push(decision, size_mm, *, sway_mm=0.0, error_mm=0.0, noise_mm=0.05, rest_age_us=None):
     """One slice of 10 ms in which one finger drags by ``size_mm``."""
     parts_mm = np.array([0.0, size_mm, 0.0, 0.0, 0.0, 0.0])
     motion = FingerMotion(1, size_mm, sway_mm, error_mm, size_mm, 0.0, 0.0, 1.0, parts_mm)
-    decision.update(10_000, motion, 0.05, rest_age_us)
+    decision.update(10_000, motion, noise_mm, rest_age_us)
+
+
+@pytest.mark.parametrize(
+    ("noise_mm", "size_mm", "kind"),
+    [
+        (0.05, 0.3, GestureKind.PUSH),
+        (0.1, 0.35, GestureKind.NONE),
+        (0.1, 0.45, GestureKind.PUSH),
+    ],
+)
+def test_a_finger_that_noise_may_have_drawn_begins_no_gesture(noise_mm, size_mm, kind):
+    decision = KindDecider()
+    for _ in range(10):
+        push(decision, size_mm, noise_mm=noise_mm)
+    assert decision.kind is kind
 
 
 def test_no_gesture_begins_while_the_gel_sways():
@@ -43,11 +58,11 @@ def test_motion_that_fingers_do_not_explain_is_a_knock_while_the_gel_moves():
     assert begin(2.5, 0.2, 0.4) is GestureKind.PUSH
 
 
-def press_and_release(decision, left_mm):
+def press_and_release(decision, left_mm, most_mm=5.0):
     """Pushes by 5 mm for 0.2 s, then leaves some of it within 50 ms."""
     for _ in range(20):
-        push(decision, 5.0)
-    for size_mm in np.linspace(5.0, left_mm, 6)[1:]:
+        push(decision, most_mm)
+    for size_mm in np.linspace(most_mm, left_mm, 6)[1:]:
         push(decision, size_mm)
 
 
@@ -142,3 +157,24 @@ def test_what_the_gel_keeps_of_a_large_gesture_is_none(left_mm, tremble_mm, kind
         for size_mm in np.linspace(left_mm, left_mm + 1.0, 8):
             push(decision, size_mm)
         assert decision.kind is GestureKind.PUSH  # the next one counts from there
+
+
+def test_a_gel_is_learnt_that_keeps_a_part_of_each_large_gesture():
+    decision = KindDecider()
+
+    def end(left_mm):
+        """Returns after how many slices a gesture of 8 mm ends, of which a part is left."""
+        press_and_release(decision, left_mm, 8.0)
+        n = 0
+        while decision.kind is not GestureKind.NONE:
+            push(decision, left_mm)
+            n += 1
+        for _ in range(40):
+            push(decision, left_mm)
+        return n
+
+    assert end(0.5) >= 14  # only a finger that does not tremble tells that it is over
+    assert end(0.5) <= 2
+    assert end(0.5) <= 2
+    assert [end(0.0) for _ in range(6)] == [0] * 6
+    assert end(0.5) >= 14  # the gel came back six times

@@ -15,7 +15,8 @@ class KindDeciderConfig:
 
     Attributes:
         on_mm: a gesture begins above this size. People label from about 0.3 mm.
-        on_noise: a gesture begins above this size, in errors of a marker.
+        on_noise: a gesture begins above this size, in errors of a marker. A finger is searched for
+            everywhere, so noise draws larger ones than at a single place.
         again_mm: a gesture begins this far above the smallest size since the previous gesture,
             because the gel creeps back for a while.
         swing: after a gesture, the size that begins the next one rises by this share of
@@ -39,6 +40,8 @@ class KindDeciderConfig:
         kept: a gel keeps up to this share of a gesture's largest size. A gesture that has shrunk
             to it ends as soon as nothing moves any more, for a finger would tremble.
         kept_us: how long nothing must move.
+        kept_rate: by this part of its error, what is left of a gesture corrects the share that
+            this gel is known to keep. A gesture ends as much earlier.
         still_size_mm: smaller changes of the size are no motion.
         on_us: how long the size must be above the limit before a gesture begins.
         off_us: how long the size must be below the limit before a gesture ends.
@@ -57,7 +60,7 @@ class KindDeciderConfig:
     """
 
     on_mm: float = 0.26
-    on_noise: float = 2.0
+    on_noise: float = 4.0
     again_mm: float = 0.1
     swing: float = 0.1
     swing_us: int = 60_000
@@ -71,6 +74,7 @@ class KindDeciderConfig:
     creep: float = 0.04
     kept: float = 0.075
     kept_us: int = 150_000
+    kept_rate: float = 0.5
     still_size_mm: float = 0.06
     on_us: int = 10_000
     off_us: int = 10_000
@@ -91,6 +95,8 @@ class KindDecider:
     def __init__(self, config: KindDeciderConfig | None = None) -> None:
         self._config = config or KindDeciderConfig()
         self._least_mm = self._sway_mm = self._swing_mm = 0.0
+        self._stays_mm, self._stays_us = 0.0, 0
+        self._kept_share = self._left_by_mm = 0.0
         self.reset()
 
     def reset(self) -> None:
@@ -104,7 +110,6 @@ class KindDecider:
         self._is_ending = False
         self._n_fingers = 0
         self._above_us = self._below_us = self._led_us = 0
-        self._stays_mm, self._stays_us = 0.0, 0
 
     @property
     def is_forming(self) -> bool:
@@ -132,12 +137,15 @@ class KindDecider:
         config = self._config
         self._sway_mm = max(motion.sway_mm, math.exp(-step_us / config.sway_us) * self._sway_mm)
         self._swing_mm *= math.exp(-step_us / config.swing_us)
+        self._time_stay(step_us, size_mm)
         if self.kind is GestureKind.NONE:
             self._least_mm = min(self._least_mm, size_mm)
+            self._learn_kept(size_mm)
         begins = size_mm >= self._find_on(noise_mm) and not self._is_knock(
             size_mm, noise_mm, motion.error_mm
         )
         off_mm = min(config.off_mm, config.least_off_mm + config.creep * self._most_mm)
+        off_mm += self._kept_share * self._most_mm
         self._above_us = self._above_us + step_us if begins else 0
         self._below_us = self._below_us + step_us if size_mm < off_mm else 0
         on_us = config.on_us if self._sway_mm < config.still_mm else 2 * config.on_us
@@ -147,11 +155,12 @@ class KindDecider:
             return
         is_over = (
             self._below_us >= config.off_us
-            or self._is_kept(step_us, size_mm)
+            or self._is_kept(size_mm)
             or self._is_seen_over(rest_age_us, size_mm)
         )
         if self.kind is not GestureKind.NONE and is_over:
             self._swing_mm = max(self._swing_mm, config.swing * self._most_mm)
+            self._left_by_mm = self._most_mm
             self.reset()
             self._least_mm = size_mm
             self.confidence = 1.0 - self._believe(size_mm)
@@ -180,14 +189,27 @@ class KindDecider:
             return False
         return error_mm > max(config.messy_noise * noise_mm, config.messy_share * size_mm)
 
-    def _is_kept(self, step_us: int, size_mm: float) -> bool:
-        """Returns True if the size is what the gel keeps of a large gesture."""
-        config = self._config
-        if abs(size_mm - self._stays_mm) > config.still_size_mm:
+    def _time_stay(self, step_us: int, size_mm: float) -> None:
+        """Measures how long the size has not changed."""
+        if abs(size_mm - self._stays_mm) > self._config.still_size_mm:
             self._stays_mm, self._stays_us = size_mm, 0
         else:
             self._stays_us += step_us
+
+    def _is_kept(self, size_mm: float) -> bool:
+        """Returns True if the size is what the gel keeps of a large gesture."""
+        config = self._config
         return self._stays_us >= config.kept_us and size_mm < config.kept * self._most_mm
+
+    def _learn_kept(self, size_mm: float) -> None:
+        """Learns which share of a large gesture the gel keeps, once nothing moves any more."""
+        config = self._config
+        if self._stays_us < config.kept_us:
+            return
+        if self._left_by_mm >= config.latch_mm:
+            share = min(size_mm / self._left_by_mm, config.kept)
+            self._kept_share += config.kept_rate * (share - self._kept_share)
+        self._left_by_mm = 0.0
 
     def _is_seen_over(self, rest_age_us: int | None, size_mm: float) -> bool:
         """Returns True if the fingers leave, and a frame since the begin shows the gel at rest.
