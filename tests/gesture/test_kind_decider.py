@@ -11,14 +11,14 @@ from neurotouch_hid.messages import GestureKind
 def push(decision, size_mm, *, sway_mm=0.0, error_mm=0.0, noise_mm=0.05, rest_age_us=None):
     """One slice of 10 ms in which one finger drags by ``size_mm``."""
     parts_mm = np.array([0.0, size_mm, 0.0, 0.0, 0.0, 0.0])
-    motion = FingerMotion(1, size_mm, sway_mm, error_mm, size_mm, 0.0, 0.0, 1.0, parts_mm)
+    motion = FingerMotion(1, size_mm, size_mm, sway_mm, error_mm, 0.0, 0.0, 0.0, 1.0, parts_mm)
     decision.update(10_000, motion, noise_mm, rest_age_us)
 
 
 @pytest.mark.parametrize(
     ("noise_mm", "size_mm", "kind"),
     [
-        (0.05, 0.3, GestureKind.PUSH),
+        (0.05, 0.33, GestureKind.PUSH),
         (0.1, 0.35, GestureKind.NONE),
         (0.1, 0.45, GestureKind.PUSH),
     ],
@@ -99,7 +99,7 @@ def test_a_gesture_ends_the_later_the_smaller_it_was():
         return size_mm
 
     assert least(0.4) < 0.2  # it trembles, or has just begun
-    assert 0.25 < least(6.0) < 0.28  # the gel creeps back from it
+    assert 0.29 < least(6.0) < 0.32  # the gel creeps back from it
 
 
 @pytest.mark.parametrize(("left_mm", "is_believed"), [(4.5, True), (0.4, False)])
@@ -113,6 +113,22 @@ def test_people_see_less_of_a_gesture_that_ends_than_of_one_that_goes_on(left_mm
     assert not decision.is_falling
     assert decision.kind is GestureKind.PUSH
     assert (decision.confidence > 0.7) == is_believed
+
+
+def test_a_type_that_hardly_leads_is_not_final_yet():
+    """Two fingers push unequally: at 2 mm that looks as much like a twist."""
+
+    def drag(push_mm, twist_mm):
+        parts_mm = np.array([0.0, push_mm, 0.0, 0.0, twist_mm, 0.0])
+        motion = FingerMotion(2, 2.5, 2.5, 0.0, 0.0, 0.0, 0.0, 0.1, 1.0, parts_mm)
+        decision.update(10_000, motion, 0.05)
+        return decision.kind
+
+    decision = KindDecider()
+    assert {drag(0.9, 0.95) for _ in range(10)} == {GestureKind.TWIST_CW}
+    assert not decision.is_latched
+    assert [drag(3.0, 1.4) for _ in range(20)][-1] is GestureKind.PUSH
+    assert decision.is_latched
 
 
 @pytest.mark.parametrize(
@@ -130,14 +146,14 @@ def test_the_swing_of_a_released_gel_is_no_gesture(largest_mm, pause_us, begins)
 def test_a_tap_keeps_its_type_while_the_fingers_leave():
     def twist(size_mm):
         parts_mm = np.array([0.0, 0.0, 0.0, 0.0, 8.0, 0.0])
-        motion = FingerMotion(1, size_mm, 0.0, 0.0, 0.0, 0.0, 0.1, 1.0, parts_mm)
+        motion = FingerMotion(1, size_mm, size_mm, 0.0, 0.0, 0.0, 0.0, 0.1, 1.0, parts_mm)
         decision.update(10_000, motion, 0.05)
         return decision.kind
 
     decision = KindDecider()
     for size_mm in (2.0, 5.0, 4.5):
         push(decision, size_mm)
-    left = [twist(size_mm) for size_mm in (3.0, 1.5, 0.8, 0.5, 0.3)]  # what swings back
+    left = [twist(size_mm) for size_mm in (3.0, 1.5, 0.8, 0.5, 0.35)]  # what swings back
     assert set(left) == {GestureKind.PUSH}
     assert not decision.is_latched  # the tap was too short
     assert [twist(size_mm) for size_mm in (1.0, 2.0, 3.0, 3.0)][-1] is GestureKind.TWIST_CW

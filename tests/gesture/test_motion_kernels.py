@@ -9,6 +9,7 @@ from neurotouch_hid.gesture.elastic.kernels.motion import (
     choose_shown,
     locate,
     measure_motion,
+    measure_peak,
     measure_size,
 )
 from neurotouch_hid.messages import GestureKind
@@ -52,12 +53,30 @@ def test_the_size_is_the_rms_over_the_patch():
     assert measure_size(np.array([0.0, 0.0, 0.5]), 6.0) == pytest.approx(3.0 / np.sqrt(2.0))
 
 
+@given(SEED, st.floats(-2, 2))
+def test_the_peak_is_how_far_the_farthest_dot_on_the_lever_seems_to_go(seed, press):
+    (centre,), (radius,), (motion,) = draw(seed, 1)
+    way = 2j * np.pi * np.arange(720) / 720
+    lever = 0.7 * radius * np.exp(way)
+    dots = complex(*motion[:2]) + press / 100.0 * complex(*centre) + 1j * motion[2] * lever
+    peak_mm = measure_peak(centre, radius, motion, press)
+    assert peak_mm == pytest.approx(np.abs(dots).max(), rel=1e-4)
+
+
+def test_two_fingers_that_land_and_tremble_alike_are_no_push_yet():
+    centres, radii, parts = np.array([[-9.0, 0.0], [9.0, 0.0]]), np.full(2, 6.5), np.empty(6)
+    for common_mm, kind in ((0.1, GestureKind.PINCH), (0.6, GestureKind.PUSH)):
+        closing_mm = 0.05
+        motions = np.array([[closing_mm, common_mm, 0.0], [-closing_mm, common_mm, 0.0]])
+        measure_motion(centres, radii, motions, parts)
+        assert parts.argmax() == kind
+
+
 def test_a_finger_is_shown_from_one_size_on_and_hidden_below_another():
-    shown, radii, chosen = np.zeros(2, np.int64), np.full(2, 6.0), np.empty(2, np.bool_)
-    seen = []
+    shown, chosen, seen = np.zeros(2, np.int64), np.empty(2, np.bool_), []
     for size_mm in (0.28, 0.31, 0.28, 0.24, 0.28):
-        motions = np.array([[size_mm, 0.0, 0.0], [5.0, 0.0, 0.0]])
-        assert choose_shown(radii, motions, 0.0, shown, 1, chosen) == chosen.sum()
+        sizes_mm = np.array([size_mm, 5.0])
+        assert choose_shown(sizes_mm, 0.0, shown, 1, chosen) == chosen.sum()
         assert chosen.tolist() == shown.tolist()
         assert shown[1] == 1
         seen.append(int(shown[0]))
@@ -65,11 +84,10 @@ def test_a_finger_is_shown_from_one_size_on_and_hidden_below_another():
 
 
 def test_a_still_finger_is_shown_only_if_a_second_contact_is_required():
-    shown, radii, chosen = np.zeros(2, np.int64), np.full(2, 6.0), np.empty(2, np.bool_)
-    motions = np.array([[0.9, 0.0, 0.0], [5.0, 0.0, 0.0]])
-    assert choose_shown(radii, motions, 1.0, shown, 1, chosen) == 1
+    shown, chosen, sizes_mm = np.zeros(2, np.int64), np.empty(2, np.bool_), np.array([0.9, 5.0])
+    assert choose_shown(sizes_mm, 1.0, shown, 1, chosen) == 1
     assert shown.tolist() == [0, 1]
-    assert choose_shown(radii, motions, 1.0, shown, 2, chosen) == 2
+    assert choose_shown(sizes_mm, 1.0, shown, 2, chosen) == 2
 
 
 @pytest.mark.parametrize(
@@ -78,7 +96,7 @@ def test_a_still_finger_is_shown_only_if_a_second_contact_is_required():
 )
 def test_the_largest_are_shown_if_few_are_large(least, expected):
     shown, chosen = np.zeros(3, np.int64), np.empty(3, np.bool_)
-    motions = np.array([[0.1, 0.0, 0.0], [0.2, 0.0, 0.0], [0.0, 0.15, 0.0]])
-    assert choose_shown(np.full(3, 6.0), motions, 0.0, shown, least, chosen) == sum(expected)
+    sizes_mm = np.array([0.1, 0.2, 0.15])
+    assert choose_shown(sizes_mm, 0.0, shown, least, chosen) == sum(expected)
     assert chosen.tolist() == expected
     assert not shown.any()

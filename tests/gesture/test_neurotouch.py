@@ -246,6 +246,15 @@ def test_a_still_finger_is_a_contact_of_the_pinch():
     assert gesture.intensity_mm == pytest.approx(2.0, abs=0.2)
 
 
+def test_a_still_finger_is_no_contact_of_a_pinch_that_ends():
+    player, centres = Player(), np.array([[9.0, 0.0], [-9.0, 0.0]])
+    down = np.linspace(4.0, 0.6, 35).tolist()
+    for size_mm in [*np.linspace(0.0, 4.0, 11), *[4.0] * 20, *down, *[0.6] * 5]:
+        gesture = player.see(field(centres, np.array([[-size_mm, 0.0], [0.0, 0.0]])))
+    assert gesture.kind is GestureKind.PINCH
+    assert len(gesture.contacts_mm) == 1
+
+
 def test_the_command_line_offers_every_method():
     from neurotouch_hid.cli.run import command
 

@@ -116,7 +116,7 @@ def measure_motion(centres, radii, motions):
         rotation, scale = cmath.phase(similarity), abs(similarity)
         reach = math.sqrt(inertia / n)
         turn, parts[3 if scale > 1 else 2] = abs(rotation) * reach, abs(scale - 1) * reach
-        parts[1] = abs(common) / 1.6
+        parts[1] = max(abs(common) / 1.6 - 0.05, 0.0)
     parts[4 if rotation > 0 else 5] = turn
     return (common.real, common.imag, rotation, scale), parts
 

@@ -143,6 +143,7 @@ MOTION: Final = np.dtype(
     [
         ("n_fingers", "i8"),
         ("largest_mm", "f8"),
+        ("peak_mm", "f8"),
         ("sway_mm", "f8"),
         ("error_mm", "f8"),
         ("x_mm", "f8"),
@@ -217,6 +218,7 @@ class FingerMotion(NamedTuple):
         n_fingers: the number of fingers that take part. If it is 0, only ``sway_mm`` has a
             meaning; all else is 0, and ``scale`` is 1.
         largest_mm: the largest motion of a finger.
+        peak_mm: how far dots under a finger go at most, see ``measure_peak``.
         sway_mm: how far the whole gel is from its recent mean.
         error_mm: rms of the displacement that the fingers do not explain, one axis.
         x_mm: translation of the fingers' mean position along x.
@@ -229,6 +231,7 @@ class FingerMotion(NamedTuple):
 
     n_fingers: int
     largest_mm: float
+    peak_mm: float
     sway_mm: float
     error_mm: float
     x_mm: float

@@ -11,10 +11,10 @@ from neurotouch_hid.messages import GestureKind
 class KindDeciderConfig:
     """Thresholds and times of ``KindDecider``.
 
-    The size of a gesture is the largest motion of a finger, mm.
+    The size of a gesture is how far dots under a finger go at most, mm.
 
     Attributes:
-        on_mm: a gesture begins above this size. People label from about 0.3 mm.
+        on_mm: a gesture begins above this size, from which people label.
         on_noise: a gesture begins above this size, in errors of a marker. A finger is searched for
             everywhere, so noise draws larger ones than at a single place.
         again_mm: a gesture begins this far above the smallest size since the previous gesture,
@@ -48,6 +48,8 @@ class KindDeciderConfig:
         memory_us: time constant of the evidence for each kind.
         latch_mm: the kind can become final only at or above this size.
         latch_us: how long one kind must have led before it becomes final.
+        latch_sure: the kind becomes final only if it is right with this probability, by its lead
+            over the next one. Two fingers that push unequally look like a twist at first.
         settle_us: within this time of the begin, a new finger discards the evidence. The fingers of
             one gesture arrive within a tenth of a second of each other.
         overrule: a final kind still changes if another has this many times its evidence.
@@ -59,7 +61,7 @@ class KindDeciderConfig:
             fingers that touch down.
     """
 
-    on_mm: float = 0.26
+    on_mm: float = 0.3
     on_noise: float = 4.0
     again_mm: float = 0.1
     swing: float = 0.1
@@ -69,7 +71,7 @@ class KindDeciderConfig:
     sway_us: int = 100_000
     messy_noise: float = 2.5
     messy_share: float = 0.1
-    off_mm: float = 0.28
+    off_mm: float = 0.32
     least_off_mm: float = 0.18
     creep: float = 0.04
     kept: float = 0.075
@@ -81,6 +83,7 @@ class KindDeciderConfig:
     memory_us: int = 60_000
     latch_mm: float = 2.0
     latch_us: int = 40_000
+    latch_sure: float = 0.95
     settle_us: int = 250_000
     overrule: float = 3.0
     moving_mm_s: float = 6.0
@@ -128,20 +131,20 @@ class KindDecider:
 
         Args:
             step_us: time since the previous slice.
-            motion: the motion of the fingers in this slice; only ``largest_mm``, ``parts_mm``,
-                ``n_fingers``, ``sway_mm`` and ``error_mm`` are read.
+            motion: the motion of the fingers in this slice; only ``largest_mm``, ``peak_mm``,
+                ``parts_mm``, ``n_fingers``, ``sway_mm`` and ``error_mm`` are read.
             noise_mm: error of a marker on one axis.
             rest_age_us: how long ago the gel was seen at rest, if a frame has just told so.
         """
-        size_mm = motion.largest_mm
+        size_mm = motion.peak_mm
         config = self._config
         self._sway_mm = max(motion.sway_mm, math.exp(-step_us / config.sway_us) * self._sway_mm)
         self._swing_mm *= math.exp(-step_us / config.swing_us)
-        self._time_stay(step_us, size_mm)
+        self._time_stay(step_us, motion.largest_mm)
         if self.kind is GestureKind.NONE:
-            self._least_mm = min(self._least_mm, size_mm)
-            self._learn_kept(size_mm)
-        begins = size_mm >= self._find_on(noise_mm) and not self._is_knock(
+            self._least_mm = min(self._least_mm, motion.largest_mm)
+            self._learn_kept(motion.largest_mm)
+        begins = self._is_large(motion, noise_mm) and not self._is_knock(
             size_mm, noise_mm, motion.error_mm
         )
         off_mm = min(config.off_mm, config.least_off_mm + config.creep * self._most_mm)
@@ -155,14 +158,14 @@ class KindDecider:
             return
         is_over = (
             self._below_us >= config.off_us
-            or self._is_kept(size_mm)
+            or self._is_kept(motion.largest_mm)
             or self._is_seen_over(rest_age_us, size_mm)
         )
         if self.kind is not GestureKind.NONE and is_over:
             self._swing_mm = max(self._swing_mm, config.swing * self._most_mm)
             self._left_by_mm = self._most_mm
             self.reset()
-            self._least_mm = size_mm
+            self._least_mm = motion.largest_mm
             self.confidence = 1.0 - self._believe(size_mm)
             return
         self._age_us += step_us
@@ -173,14 +176,19 @@ class KindDecider:
         self._n_fingers = motion.n_fingers
         self._follow(step_us, size_mm)
         if self.kind is GestureKind.NONE or self.is_latched or not self.is_falling:
-            self._weigh(step_us, motion)  # what leaves tells no type: the gel swings back
+            self._weigh(step_us, motion, noise_mm)  # what leaves tells no type: the gel swings back
         self.confidence = self._believe(size_mm) * self._prefer(size_mm, noise_mm)
 
-    def _find_on(self, noise_mm: float) -> float:
-        """Returns the size at which a gesture begins now, mm."""
+    def _is_large(self, motion: FingerMotion, noise_mm: float) -> bool:
+        """Returns True if people see a gesture, and it is more than what is left of the last one.
+
+        What is left is a drag. Its turn is noise, which would begin the same gesture again.
+        """
         config = self._config
-        on_mm = max(config.on_mm, config.on_noise * noise_mm, self._least_mm + config.again_mm)
-        return on_mm + config.sway_gain * self._sway_mm + self._swing_mm
+        more_mm = config.sway_gain * self._sway_mm + self._swing_mm
+        on_mm = max(config.on_mm, config.on_noise * noise_mm)
+        is_seen = motion.peak_mm >= on_mm + more_mm
+        return is_seen and motion.largest_mm >= self._least_mm + config.again_mm + more_mm
 
     def _is_knock(self, size_mm: float, noise_mm: float, error_mm: float) -> bool:
         """Returns True if the whole gel moves and the fingers explain too little of the rest."""
@@ -244,7 +252,7 @@ class KindDecider:
         elif self._speed_mm_s > self._config.moving_mm_s or size_mm > 0.5 * self._most_mm:
             self._is_ending = False
 
-    def _weigh(self, step_us: int, motion: FingerMotion) -> None:
+    def _weigh(self, step_us: int, motion: FingerMotion, noise_mm: float) -> None:
         config = self._config
         keep = math.exp(-step_us / config.memory_us)
         self._evidence = [
@@ -262,5 +270,5 @@ class KindDecider:
         self._led_us = self._led_us + step_us if best is self.kind else 0
         if self._evidence[best] > 1.1 * self._evidence[self.kind]:
             self.kind = best
-        if motion.largest_mm >= config.latch_mm and self._led_us >= config.latch_us:
-            self.is_latched = True
+        is_told = motion.largest_mm >= config.latch_mm and self._led_us >= config.latch_us
+        self.is_latched = is_told and self._prefer(motion.peak_mm, noise_mm) >= config.latch_sure

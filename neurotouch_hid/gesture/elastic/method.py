@@ -16,6 +16,9 @@ Floats = NDArray[np.float64]
 NOISE_US = 500_000  # time constant of the noise of the markers, which is measured at rest
 RESTING_KIND = KindDeciderConfig(on_mm=0.8, off_mm=0.5, least_off_mm=0.5)
 """Higher thresholds, because a resting hand trembles by up to half a mm."""
+PAIR_MM = 0.8
+"""In a smaller pinch, zoom or twist only fingers whose dots have moved are contacts: a hand lands
+and leaves finger by finger."""
 RESTING_FINGERS = FingerConfig(still_share=0.2)
 
 
@@ -78,7 +81,8 @@ class ElasticMethod:
                 self.reset()
             return no_gesture(t_us, decision.confidence)
         # A pinch, zoom or twist needs two fingers, though one of them may keep still.
-        contacts = fingers.locate_shown(1 if decision.kind is GestureKind.PUSH else 2)
+        takes_one = decision.kind is GestureKind.PUSH or motion.peak_mm < PAIR_MM
+        contacts = fingers.locate_shown(1 if takes_one else 2)
         return Gesture(
             t_us=t_us,
             kind=decision.kind,

@@ -20,6 +20,7 @@ from neurotouch_hid.gesture.elastic.kernels.motion import (
     choose_shown,
     locate,
     measure_motion,
+    measure_peak,
     measure_size,
     subtract_landing,
 )
@@ -119,7 +120,7 @@ def follow(
     _accept(found, fits, fingers, rules, step_us / CHECK_US)
     fit = fits[NOW]
     n = fit.count
-    motion.n_fingers, motion.largest_mm, motion.scale = n, 0.0, 1.0
+    motion.n_fingers, motion.largest_mm, motion.peak_mm, motion.scale = n, 0.0, 0.0, 1.0
     x, y = fingers.common_x_mm, fingers.common_y_mm
     if n > 0:
         x, y = fit.offset_x_mm, fit.offset_y_mm
@@ -137,6 +138,9 @@ def follow(
     subtract_landing(fit.whole[:n], step_us, fit.landed[:n], fit.landed_us[:n], fingers.since[:n])
     n, centres, radii, motions, since = _leave_out_still(fit, fingers, rules)
     motion.n_fingers, motion.largest_mm = n, fit.largest_mm
+    for j in range(fit.count):
+        peak_mm = measure_peak(fit.centres[j], fit.radii[j], fit.whole[j], fit.press[j])
+        motion.peak_mm = max(motion.peak_mm, peak_mm)
     motion.error_mm = math.sqrt(0.5 * fit.cost / use.sum())
     x, y, rotation, scale = measure_motion(centres, radii, motions, motion.parts_mm)
     motion.x_mm, motion.y_mm, motion.rotation_rad, motion.scale = x, y, rotation, scale
@@ -190,9 +194,13 @@ def locate_shown(
     """
     fit = fits[NOW]
     n = fit.count
-    chosen = np.empty(n, np.bool_)
+    at, size_mm, chosen = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
+    for j in range(n):
+        at[j, 0], at[j, 1], size_mm[j] = locate(
+            fit.centres[j], fit.radii[j], fit.whole[j], fit.press[j]
+        )
     still_mm = config[0].still_share * fit.largest_mm
-    count = choose_shown(fit.radii[:n], fit.whole[:n], still_mm, fit.shown[:n], least, chosen)
+    count = choose_shown(size_mm, still_mm, fit.shown[:n], least, chosen)
     mm, px, place = np.empty((count, 2)), np.empty((count, 2)), np.empty(2)
     total_mm = 0.0
     rig = gel[0].rig
@@ -200,17 +208,16 @@ def locate_shown(
     for j in range(n):
         if not chosen[j]:
             continue
-        x, y, size_mm = locate(fit.centres[j], fit.radii[j], fit.whole[j], fit.press[j])
         # A finger that turns at the rim seems to be beside the gel, which it drags with it.
-        rest_x, rest_y = x - fit.whole[j, DRAG_X], y - fit.whole[j, DRAG_Y]
+        rest_x, rest_y = at[j, 0] - fit.whole[j, DRAG_X], at[j, 1] - fit.whole[j, DRAG_Y]
         place[0], place[1] = rest_x, rest_y
         keep_inside(gel[0], place)
-        x, y = x + (place[0] - rest_x), y + (place[1] - rest_y)
+        x, y = at[j, 0] + (place[0] - rest_x), at[j, 1] + (place[1] - rest_y)
         mm[k, 0], mm[k, 1] = x, y
         x, y = x + fit.offset_x_mm, y + fit.offset_y_mm  # the whole gel, with its rig
         px[k, 0] = rig.along * x - rig.across * y + rig.x_px
         px[k, 1] = rig.across * x + rig.along * y + rig.y_px
-        total_mm += size_mm
+        total_mm += size_mm[j]
         k += 1
     return mm, px, (1.0 + state[0].taken_along) * total_mm / count
 
@@ -406,7 +413,7 @@ def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
         least = 0.3 * _required(fit, fingers, rules)
         if fit.cost < rules.sure * least:
             break
-    return bool(fit.count > 0)
+    return bool(fit.count > 0 and fits[BEST].largest_mm >= rules.least_mm)
 
 
 @kernel

@@ -23,6 +23,10 @@ LEVER = 0.7
 TURN_GAIN = 2.0
 """How much more a single finger must turn than drag to be a twist: a tip that drags turns too."""
 
+SEVERAL_MM = 0.05
+"""By how much more several fingers must go the same way to be a push: most that land together do
+something else, and their trembles leave a common motion."""
+
 LANDING_US = 60_000  # length of a finger's first motions, whose mean is its landing
 LANDING_MM = 0.5  # no finger lands with a longer drag; more is the beginning of a quick gesture
 LANDING_SHARE = 0.8
@@ -44,6 +48,25 @@ def measure_size(motion: Floats, radius: float) -> float:
     """
     x, y, turn = motion[DRAG_X], motion[DRAG_Y], motion[TURN]
     return math.sqrt(x * x + y * y + 0.5 * (turn * radius) ** 2)
+
+
+@kernel
+def measure_peak(centre: Floats, radius: float, motion: Floats, press: float) -> float:
+    """Returns how far dots under a finger seem to go where they go farthest, mm.
+
+    People see a gesture by this peak [NT, "Contact Point Detection"]: on one side of a finger drag
+    and turn add up, and a pressed patch looks larger.
+
+    Args:
+        centre: (2,) float64 mm, on the gel at rest.
+        radius: mm.
+        motion: (3,) float64, drag x, drag y in mm, sine of the turn.
+        press: mm; its markers seem to move away from the middle of the picture.
+    """
+    x = motion[DRAG_X] + press / VIEW_MM * centre[0]
+    y = motion[DRAG_Y] + press / VIEW_MM * centre[1]
+    peak_mm: float = math.hypot(x, y) + LEVER * abs(motion[TURN]) * radius
+    return peak_mm
 
 
 @kernel
@@ -86,7 +109,7 @@ def measure_motion(
         reach = math.sqrt(inertia / n)
         turn, spread = abs(rotation) * reach, abs(scale - 1.0) * reach
         parts[_ZOOM if scale > 1.0 else _PINCH] = spread
-        parts[_PUSH] = math.hypot(dx, dy) / COMMON_GAIN
+        parts[_PUSH] = max(math.hypot(dx, dy) / COMMON_GAIN - SEVERAL_MM, 0.0)
     parts[_CW if rotation > 0 else _CCW] = turn
     return dx, dy, rotation, scale
 
@@ -153,8 +176,7 @@ def locate(
 
 @kernel
 def choose_shown(
-    radii: Floats,
-    motions: Floats,
+    size_mm: Floats,
     still_mm: float,
     shown: NDArray[np.int64],
     least: int,
@@ -163,8 +185,7 @@ def choose_shown(
     """Chooses the fingers that are contacts: those that move enough, or else those that move most.
 
     Args:
-        radii: (k,) float64 mm, k >= 1.
-        motions: (k, 3) float64, see ``measure_motion``.
+        size_mm: (k,) float64, k >= 1, how far they move the gel under them, see ``locate``.
         still_mm: a finger with a smaller motion takes no part in the gesture.
         shown: (k,) int64, 1 for those that moved enough before, else 0; updated.
         least: the least number of contacts, if there are as many fingers.
@@ -173,10 +194,9 @@ def choose_shown(
     Returns:
         The number of contacts.
     """
-    n, count = len(radii), 0
-    size_mm, on_mm = np.empty(n), max(SHOWN_MM, still_mm)
+    n, count = len(size_mm), 0
+    on_mm = max(SHOWN_MM, still_mm)
     for j in range(n):
-        size_mm[j] = measure_size(motions[j], radii[j])
         shown[j] = size_mm[j] >= (HIDDEN_SHARE * on_mm if shown[j] else on_mm)
         chosen[j] = shown[j] > 0
         count += shown[j]
