@@ -78,8 +78,9 @@ def run_pipeline(
                     if guard.take_silence() and pipeline.has_frame_thread:
                         pipeline.mapping.release()
                     step = pipeline.advance(packet)
-                    with pipeline.timings.device:
-                        device.write(step.pad)
+                    begun_ns = time.perf_counter_ns()
+                    device.write(step.pad)
+                    pipeline.timings.device.end(begun_ns)
                     if periodic is not None:
                         guard.stall_s = max(stall_s, STALL_PERIODS * periodic.period_s)
                     guard.feed()
