@@ -41,7 +41,7 @@ class GestureMethod(Protocol):
             rest_px: (n, 2) float32 px, the markers at rest, columns x, y; a new array object when
                 they have changed. Their number n depends on the gel.
             moved_px: (n, 2) float64 px, displacement of each marker from the neutral pose;
-                without meaning where ``use`` is False.
+                without meaning where ``use`` is False. Valid until the next call, as ``use``.
             use: (n,) bool, True for measured markers.
             rig: fitted to ``rest_px``; converts pixels to mm and back.
         """

@@ -64,7 +64,7 @@ class Neutral:
         if self._is_resting:
             self._watch(moved_px, use, px_per_mm, step_us)
         if self._capture_us > 0:
-            self._captured.append(moved_px)
+            self._captured.append(moved_px.copy())
             self._capture_us -= step_us
             if self._capture_us > 0:
                 return None

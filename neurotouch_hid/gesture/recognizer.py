@@ -23,6 +23,9 @@ class GestureRecognizer:
         self._rest_px: NDArray[np.float32] | None = None
         self._rig: Rig | None = None
         self._t_us: int | None = None
+        # Of one slice only: new arrays of this size take longer than the kernel that fills them.
+        self._moved_px = np.empty((gel.n_markers, 2))
+        self._use = np.empty(gel.n_markers, np.bool_)
         self.choose_neutral(self._config.neutral)
 
     @property
@@ -55,7 +58,7 @@ class GestureRecognizer:
             self._neutral.anchor()
         step_us = FIRST_STEP_US if self._t_us is None else t_us - self._t_us
         self._t_us = t_us
-        moved_px, use = np.empty(rest_px.shape), np.empty(len(rest_px), np.bool_)
+        moved_px, use = self._moved_px, self._use
         n_used = displace(rest_px, markers.position_px, markers.valid, moved_px, use)
         if self._rig is None or n_used < self._config.min_tracked * len(rest_px):
             self._method.reset()

@@ -93,7 +93,11 @@ class Kernel:
         self._found: dict[bytes, Callable[..., Any]] = {}
 
     def __call__(self, *args: Any) -> Any:  # noqa: D102
-        return self.find(*args)(*args)
+        try:
+            function = self._found[_fingerprint(args)]
+        except (KeyError, NotImplementedError):
+            function = self._find(args)
+        return function(*args)
 
     def find(self, *args: Any) -> Callable[..., Any]:
         """Returns the function for arguments of these types."""

@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from neurotouch_hid.device import Device
-from neurotouch_hid.errors import GelNotFoundError
-from neurotouch_hid.gel_sentences import explain_gel
+from neurotouch_hid.gel_sentences import require_gel
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.runtime.pipeline import Pipeline
 from neurotouch_hid.runtime.pipeline_control import PipelineControl
@@ -78,8 +77,9 @@ def run_pipeline(
                     if guard.take_silence() and pipeline.has_frame_thread:
                         pipeline.mapping.release()
                     step = pipeline.advance(packet)
-                    with pipeline.timings.device:
-                        device.write(step.pad)
+                    begun_ns = time.perf_counter_ns()
+                    device.write(step.pad)
+                    pipeline.timings.device.end(begun_ns)
                     if periodic is not None:
                         guard.stall_s = max(stall_s, STALL_PERIODS * periodic.period_s)
                     guard.feed()
@@ -106,15 +106,6 @@ def run_pipeline(
         device.neutral()
         pipeline.close()
     if stop is None or not stop.is_set():
-        _require_gel(pipeline)
+        require_gel(pipeline.gel)
     sensor_s = 0.0 if first_us is None or last_us is None else (last_us - first_us) / 1e6
     return LoopStats(slices, events, sensor_s, time.perf_counter() - begun)
-
-
-def _require_gel(pipeline: Pipeline) -> None:
-    gel = pipeline.gel
-    if not gel.was_found:
-        sentence = explain_gel(gel)
-        raise GelNotFoundError(
-            f"No gel was found in this source: {sentence.why}.", hint=sentence.fix or None
-        )

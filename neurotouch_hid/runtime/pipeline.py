@@ -1,6 +1,7 @@
 """The pipeline: one packet in, one pad state out."""
 
 from dataclasses import replace
+from time import perf_counter_ns
 from typing import Final
 
 from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig
@@ -105,8 +106,9 @@ class Pipeline:
 
         It needs a frame thread.
         """
-        with self.timings.partial:
-            self.tracker.update(packet)
+        begun_ns = perf_counter_ns()
+        self.tracker.update(packet)
+        self.timings.partial.end(begun_ns)
         self._partial = packet
 
     def advance(self, packet: EventPacket) -> Step:
@@ -119,8 +121,9 @@ class Pipeline:
         else:
             self._anchor = self._exchange(packet)
             packet_left = packet
-        with self.timings.tracker:
-            markers = self.tracker.update(packet_left)
+        timings, begun_ns = self.timings, perf_counter_ns()
+        markers = self.tracker.update(packet_left)
+        begun_ns = timings.tracker.end(begun_ns)
         if self._anchor is not None:
             self.recognizer.note_rest(self._anchor.t_us)
         if self.tracker.is_frameless:
@@ -128,13 +131,13 @@ class Pipeline:
         if self.tracker.flicker is not self._flicker:
             self._flicker = self.tracker.flicker
             self.rest.detector.note_flicker(self._flicker.hz if self._flicker else None)
-        with self.timings.gesture:
-            gesture = self.recognizer.update(markers)
+        gesture = self.recognizer.update(markers)
+        begun_ns = timings.gesture.end(begun_ns)
         if self.tracker.is_unsure:
             self.rest.detector.note_haste(packet.t_end_us)
             gesture = no_gesture(gesture.t_us)
-        with self.timings.profile:
-            pad = self.mapping.update(gesture)
+        pad = self.mapping.update(gesture)
+        timings.profile.end(begun_ns)
         if "rezero" in pad.commands:
             self.recognizer.rezero()
         return Step(packet, self._anchor, markers, gesture, pad, self.gel)
@@ -193,8 +196,9 @@ class Pipeline:
         return EventPacket(partial.t_end_us, packet.t_end_us, events, (), gap)
 
     def _exchange(self, packet: EventPacket) -> RestField | None:
-        with self.timings.rest:
-            result = self.rest.exchange(packet)  # newest result or None; never blocks
+        begun_ns = perf_counter_ns()
+        result = self.rest.exchange(packet)  # newest result or None; never blocks
+        self.timings.rest.end(begun_ns)
         gel = self.rest.detector.gel
         if gel.was_found and not gel.is_found:
             self.tracker.forget()
@@ -204,8 +208,9 @@ class Pipeline:
         if result.rest is not None:
             self.tracker.anchor(result.rest)
         if result.searched is not None:
-            with self.timings.frames:
-                self.tracker.correct(*result.searched)
+            begun_ns = perf_counter_ns()
+            self.tracker.correct(*result.searched)
+            self.timings.frames.end(begun_ns)
         return result.rest
 
     def _do_without_frames(self, t_us: int) -> None:

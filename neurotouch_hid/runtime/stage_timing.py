@@ -1,7 +1,7 @@
 """Host time spent in each stage of the pipeline."""
 
-import time
 from collections import deque
+from time import perf_counter_ns
 from typing import Final
 
 from neurotouch_hid.runtime.histogram import Histogram
@@ -13,7 +13,7 @@ RANKS: Final = (50.0, 99.0, 99.9)
 
 
 class StageTimer:
-    """Times one stage; a context manager for the thread of the pipeline, not to be nested.
+    """The host time of one stage.
 
     Attributes:
         spent_ns: all time spent in the stage, in ns.
@@ -21,21 +21,30 @@ class StageTimer:
         all_ns: all calls since the start.
     """
 
-    __slots__ = ("_begun_ns", "all_ns", "recent_ns", "spent_ns")
+    __slots__ = ("all_ns", "recent_ns", "spent_ns")
 
     def __init__(self) -> None:
-        self.spent_ns = self._begun_ns = 0
+        self.spent_ns = 0
         self.recent_ns: deque[int] = deque(maxlen=KEPT)
         self.all_ns = Histogram()
 
-    def __enter__(self) -> None:
-        self._begun_ns = time.perf_counter_ns()
+    def end(self, begun_ns: int) -> int:
+        """Counts a call that ends now, in the thread of the pipeline.
 
-    def __exit__(self, *_: object) -> None:
-        took_ns = time.perf_counter_ns() - self._begun_ns
+        It is no context manager: Python takes twice as long to enter and to leave one.
+
+        Args:
+            begun_ns: its begin, by ``time.perf_counter_ns``.
+
+        Returns:
+            The present time, which may be the begin of the next stage.
+        """
+        now_ns = perf_counter_ns()
+        took_ns = now_ns - begun_ns
         self.spent_ns += took_ns
         self.recent_ns.append(took_ns)
         self.all_ns.add(took_ns)
+        return now_ns
 
 
 class StageTimings:

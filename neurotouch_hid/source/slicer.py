@@ -132,7 +132,7 @@ class Slicer:
         """Returns the packet up to ``end_us``: the parts kept so far and ``tail``."""
         parts = [*self._parts, tail] if len(tail) else self._parts
         events = parts[0] if len(parts) == 1 else join_events(parts)
-        frames = list[Frame]()
+        frames: list[Frame] = []
         if self._frames:
             frames = [f for f in self._frames if f.exposure_end_us < end_us]
             frames.sort(key=lambda f: f.exposure_end_us)
@@ -146,6 +146,8 @@ class Slicer:
     def _skip_silence(self, next_us: int) -> None:
         """Skips to the slice of ``next_us`` after a silence longer than ``MAX_SILENCE_US``."""
         assert self._begin_us is not None  # noqa: S101 - a packet was cut before
+        if next_us - self._begin_us <= MAX_SILENCE_US:
+            return
         next_us = min([next_us, *(f.exposure_end_us for f in self._frames)])
         if next_us - self._begin_us > MAX_SILENCE_US:
             self._begin_us += (next_us - self._begin_us) // self._slice_us * self._slice_us

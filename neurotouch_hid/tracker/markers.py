@@ -180,6 +180,7 @@ class MarkerTracker:
         self._nowhere_px = np.full((n, 2), np.nan, np.float32)
         self._nowhere_px.setflags(write=False)
         self._tracks = make_tracks(gel.neighbours, self._config)
+        self._last_frame_us = self._tracks.common["last_frame_us"]  # a view
         self._filter = bind(kernels.filter_slice, self._tracks, self._tuning)
         self._finder = finder or BlobFinder(gel=gel)
         self._correction = FrameCorrection(self._tracks, self._tuning)
@@ -211,7 +212,7 @@ class MarkerTracker:
         """True while the markers are followed by events, and no frame has shown them for 0.5 s."""
         if not self._anchored or self._end_us is None or self.follows_frames:
             return False
-        return self._end_us - int(self._tracks.common["last_frame_us"][0]) >= FRAMELESS_US
+        return self._end_us - int(self._last_frame_us.item()) >= FRAMELESS_US
 
     @property
     def is_unsure(self) -> bool:

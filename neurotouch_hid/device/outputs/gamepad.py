@@ -52,13 +52,15 @@ class ControlLayout:
 
     def encode(self, state: GamepadState) -> tuple[int, ...]:
         """Returns the report of a state: the value of every control, in order."""
-        buttons = state.buttons
-        levels = {axis: control.rest for axis, control in self.axes.items()}
-        for axis, value in state.axes.items():
-            if axis in levels:
-                levels[axis] = _scale(value, self.axes[axis], signed=axis in _TO_BOTH_SIDES)
+        down, moved = state.buttons, state.axes
+        levels = {
+            axis: _scale(moved[axis], control, signed=axis in _TO_BOTH_SIDES)
+            if axis in moved
+            else control.rest
+            for axis, control in self.axes.items()
+        }
         return (
-            *[int(button in buttons) for button in self.buttons],
+            *[int(button in down) for button in self.buttons],
             *[int(levels[axis] != self.axes[axis].rest) for axis in self.trigger_buttons],
             *levels.values(),
         )

@@ -1,6 +1,7 @@
 """The virtual mouse: five buttons, and steps of pointer and wheel made from their speeds."""
 
 import math
+from functools import lru_cache
 
 from evdev import ecodes
 
@@ -42,7 +43,12 @@ _FASTEST_CLICKS_S = 200.0
 
 def encode_buttons(state: GamepadState) -> tuple[int, ...]:
     """Returns the report of a state: 1 for every button that is down, in the order of BUTTONS."""
-    return tuple(int(name in state.mouse_buttons) for name in BUTTONS)
+    return _report(state.mouse_buttons)
+
+
+@lru_cache(maxsize=1 << len(BUTTONS))
+def _report(down: frozenset[str]) -> tuple[int, ...]:
+    return tuple(int(name in down) for name in BUTTONS)
 
 
 class PointerMotion:

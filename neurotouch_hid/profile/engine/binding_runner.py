@@ -23,6 +23,7 @@ class BindingRunner:
         kinds: the gestures it waits for.
         down: whether it acts now.
         busy: it must be asked even if another gesture, or none, is there.
+        on_mm: its threshold; 0 without.
         put: what it does to the outputs while it is down; None for a layer or a command.
 
     Args:
@@ -49,6 +50,7 @@ class BindingRunner:
         "down",
         "kinds",
         "label",
+        "on_mm",
         "put",
     )
 
@@ -63,6 +65,7 @@ class BindingRunner:
     ) -> None:
         self.binding = binding
         self.label = label
+        self.on_mm, _ = binding.thresholds_mm
         self.kinds = frozenset(binding.condition.kinds)
         sequence = isinstance(binding.when, Sequence)
         if sequence:

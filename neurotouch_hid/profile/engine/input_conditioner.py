@@ -98,6 +98,7 @@ class InputConditioner:
         self._watches_onset = GestureKind.PUSH in self._bound and len(self._bound) > 1
         self._t_us: int | None = None
         self._memory = _Memory()
+        self._is_fresh = True
 
     @property
     def at_rest(self) -> bool:
@@ -106,7 +107,7 @@ class InputConditioner:
 
     def forget(self) -> None:
         """Starts again, as if the hand had been lifted."""
-        self._memory = _Memory()
+        self._memory, self._is_fresh = _Memory(), True
         for smooth in self._filters:
             smooth.reset()
         for notch in self._notches:
@@ -120,8 +121,10 @@ class InputConditioner:
         self._t_us = gesture.t_us
         kind, mm = gesture.kind, float(gesture.intensity_mm)
         if kind == GestureKind.NONE or not math.isfinite(mm):
-            self.forget()
+            if not self._is_fresh:
+                self.forget()
             return ConditionedGesture(gesture.t_us)
+        self._is_fresh = False
         mm = min(max(mm, 0.0), MOST_MM)
         if self._mirror:
             kind = _MIRRORED.get(kind, kind)

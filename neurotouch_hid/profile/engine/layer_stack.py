@@ -78,8 +78,7 @@ class LayerStack:
                         finished = True
             if runner.down and runner.put is not None:
                 runner.put(outputs, reading)
-        acts = any(each.down and each in layer.limited for each in wanted)
-        layer.missed.update(reading, wanted, is_down=acts)
+        layer.missed.update(reading, wanted)
         if finished:
             self._finish_action(layer)
         for care in layer.cares:
@@ -154,7 +153,6 @@ class _Layer:
         self._chords = [each for each in self.runners if each.binding.condition.with_button]
         plain = frozenset(self.runners).difference(self._chords, self.stopping)
         self._plain = plain
-        self.limited = frozenset(each for each in self.runners if each.binding.thresholds_mm[0] > 0)
         self._pressing = frozenset(each for each in plain if not each.binding.is_followed)
         self._taken = GestureKind.NONE
         self._wanted: dict[tuple[object, ...], tuple[BindingRunner, ...]] = {}

@@ -1,6 +1,6 @@
 """Logs gestures that ended just below a threshold, so that people see why nothing happened."""
 
-from collections.abc import Iterable
+from collections.abc import Collection
 from typing import Final
 
 from neurotouch_hid.messages import GestureKind
@@ -35,15 +35,12 @@ class MissedThreshold:
         self._peak_mm = self._on_mm = 0.0
         self._near = NEAR
 
-    def update(
-        self, reading: ConditionedGesture, wanted: Iterable[BindingRunner], *, is_down: bool
-    ) -> None:
+    def update(self, reading: ConditionedGesture, wanted: Collection[BindingRunner]) -> None:
         """Takes one reading.
 
         Args:
             reading: the gesture.
             wanted: the bindings whose kind and direction it has.
-            is_down: any binding of the layer that has a threshold acts now.
         """
         if reading.kind != self._kind:
             if reading.kind == GestureKind.NONE:
@@ -51,16 +48,17 @@ class MissedThreshold:
                 self._begin(GestureKind.NONE, acted=False)
                 return
             self._begin(reading.kind, acted=self._acted)
-        self._acted = self._acted or is_down
+        if self._acted:
+            return
+        self._acted = any(each.down and each.on_mm > 0 for each in wanted)
         if self._acted or reading.mm <= self._peak_mm:
             return
         self._peak_mm, self._on_mm = reading.mm, 0.0
         for each in wanted:
-            on_mm, _ = each.binding.thresholds_mm
-            if on_mm == 0.0:
+            if each.on_mm == 0.0:
                 self._near = NEAR_BESIDE_AXIS
-            elif not self._on_mm or on_mm < self._on_mm:
-                self._on_mm, self._label = on_mm, each.label
+            elif not self._on_mm or each.on_mm < self._on_mm:
+                self._on_mm, self._label = each.on_mm, each.label
 
     def _tell(self) -> None:
         if not self._acted and self._near * self._on_mm <= self._peak_mm < self._on_mm:

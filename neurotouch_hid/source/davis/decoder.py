@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.events import copy_events
 from neurotouch_hid.messages import EVENT_DTYPE, Frame
+from neurotouch_hid.process.kernel_cache import bind
 from neurotouch_hid.source.davis.kernels.decode import (
     BETWEEN_COLUMNS,
     COUNTERS_DTYPE,
@@ -75,8 +76,9 @@ class Decoder:
         self._now_us, self._is_synced = self._state["now_us"], self._state["is_synced"]  # views
         self._counters = np.zeros(1, COUNTERS_DTYPE)
         shape = (self._layout.height_px, self._layout.width_px)
-        self._reset = np.zeros(shape, np.int16)
         self._pixels = np.zeros(shape, np.uint8)
+        reset = np.zeros(shape, np.int16)
+        self._decode = bind(decode, self._layout, self._state, self._counters, reset, self._pixels)
         self._events = np.empty(0, EVENT_DTYPE)
         self._odd = b""
         self._mosaic = Mosaic() if is_colour else None
@@ -110,17 +112,7 @@ class Decoder:
         position = n = 0
         frames: list[Frame] = []
         while position < len(words):
-            position, n, whole = decode(
-                words,
-                position,
-                self._layout,
-                self._state,
-                self._counters,
-                self._events,
-                n,
-                self._reset,
-                self._pixels,
-            )
+            position, n, whole = self._decode(words, position, self._events, n)
             if whole:
                 frames.append(self._copy_frame())
         return copy_events(self._events[:n]), frames

@@ -115,28 +115,28 @@ COUNTERS_DTYPE = np.dtype(
 
 @kernel
 def decode(
-    words: NDArray[np.uint16],
-    start: int,
     layout: AddressLayout,
     carried: Records,
     counted: Records,
-    events: Records,
-    n: int,
     reset: NDArray[np.int16],
     pixels: NDArray[np.uint8],
+    words: NDArray[np.uint16],
+    start: int,
+    events: Records,
+    n: int,
 ) -> tuple[int, int, bool]:
     """Reads words up to the end, or up to the end of a frame.
 
     Args:
-        words: (w,) uint16.
-        start: the first word to read.
         layout: of the camera.
         carried: (1,) STATE_DTYPE, carried from call to call.
         counted: (1,) COUNTERS_DTYPE, counted up.
-        events: EVENT_DTYPE, long enough for all words.
-        n: number of events already in it.
         reset: (height, width) int16, the reset values of the frame that is being read.
         pixels: (height, width) uint8, that frame.
+        words: (w,) uint16.
+        start: the first word to read.
+        events: EVENT_DTYPE, long enough for all words.
+        n: number of events already in it.
 
     Returns:
         The first word not read, the number of events, and whether a frame is complete.
