@@ -37,7 +37,7 @@ class StageTimer:
             begun_ns: its begin, by ``time.perf_counter_ns``.
 
         Returns:
-            The present time, which may be the begin of the next stage.
+            The present time, at which the next stage may begin.
         """
         now_ns = perf_counter_ns()
         took_ns = now_ns - begun_ns
