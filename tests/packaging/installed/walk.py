@@ -25,7 +25,7 @@ from pathlib import Path
 ROWS, COLUMNS = 24, 80
 LOOK_S = 1.5
 """For so long a command without an end is looked at, after its first words."""
-SILENT_S = 60.0
+SILENT_S = 30.0
 """In which the first words have come."""
 LIMIT_S = 240.0
 """In which all others have ended by themselves."""
