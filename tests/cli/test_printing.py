@@ -26,7 +26,7 @@ RAW = {
     "main.py": 4,  # before any command is imported
     "shared/send_without_click.py": 4,  # without click; errors and client made it printable
     "monitor.py": 1,  # these three draw over their own last lines
-    "record.py": 3,
+    "record_progress.py": 3,
     "doctor.py": 1,  # a script
     "schema.py": 1,  # files of the program
     "completion.py": 1,

@@ -18,10 +18,11 @@ from neurotouch_devtools.emulator import registers as reg
 
 from neurotouch_hid.evaluation.speed.workload import load_scene
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket
+from neurotouch_hid.process.kernel_cache import bind
 from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
-from neurotouch_hid.source.davis.kernels.decode import AddressLayout
+from neurotouch_hid.source.davis.kernels.decode import AddressLayout, decode
 from neurotouch_hid.source.davis.stream import Stream
 from neurotouch_hid.source.davis.stream_check import OutOfStepError
 from tests.fuzz.area import Area
@@ -210,13 +211,14 @@ def _check_decoder(data: bytes, chunks: list[bytes], layout: AddressLayout) -> N
 
 def _guard(decoder: Decoder, n: int) -> list[tuple[np.ndarray, np.ndarray]]:
     """Puts the decoder's arrays between guards; returns those, and what is to stay in them."""
-    guards = []
-    for name, shape in (("_reset", (SENSOR_HEIGHT_PX,)), ("_pixels", (SENSOR_HEIGHT_PX,))):
-        own = getattr(decoder, name)
-        around = np.full((shape[0] + 2 * _GUARD, SENSOR_WIDTH_PX), 77, own.dtype)
-        around[_GUARD:-_GUARD] = own
-        setattr(decoder, name, around[_GUARD:-_GUARD])
+    guards, inner = [], []
+    for dtype in (np.int16, np.uint8):  # the reset values, and the picture
+        around = np.full((SENSOR_HEIGHT_PX + 2 * _GUARD, SENSOR_WIDTH_PX), 77, dtype)
+        around[_GUARD:-_GUARD] = 0
+        inner.append(around[_GUARD:-_GUARD])
         guards += [(side, side.copy()) for side in (around[:_GUARD], around[-_GUARD:])]
+    decoder._pixels = inner[1]
+    decoder._decode = bind(decode, decoder._layout, decoder._state, decoder._counters, *inner)
     events = np.zeros(n + 2 * _GUARD, EVENT_DTYPE)
     decoder._events = events[_GUARD:-_GUARD]
     return guards + [(side, side.copy()) for side in (events[:_GUARD], events[-_GUARD:])]

@@ -23,7 +23,7 @@ from neurotouch_hid.tracker import BlobFinder
 
 REST_US: Final = 5_000_000
 """Rest that gives steady figures; what comes after it may be the beginning of a touch."""
-_SETTLED_US: Final = 800_000
+_SETTLED_US: Final = 1_000_000
 """A gel without a gesture for this long has come back as far as it does at once."""
 _SAME_STROKE_US: Final = 200_000
 """A gesture that is back after less than this is the same stroke."""
