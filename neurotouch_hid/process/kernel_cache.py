@@ -93,7 +93,7 @@ class Kernel:
         self._found: dict[bytes, Callable[..., Any]] = {}
 
     def __call__(self, *args: Any) -> Any:  # noqa: D102
-        try:
+        try:  # as in ``find``, which would be one more call for each of ours
             function = self._found[_fingerprint(args)]
         except (KeyError, NotImplementedError):
             function = self._find(args)

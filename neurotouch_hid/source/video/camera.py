@@ -86,7 +86,8 @@ class VideoCamera(Closing):
         Raises:
             CameraError: the camera is gone, or has failed.
         """
-        picture = None if self._stream is None else self._stream.take(timeout_s)
+        assert self._stream is not None  # noqa: S101 - it streams from ``start`` on
+        picture = self._stream.take(timeout_s)
         if picture is None:
             return None
         self.stamp_us = picture.t_us
