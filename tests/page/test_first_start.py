@@ -175,6 +175,19 @@ def test_while_the_driver_plays_no_gamepad_is_heard(started):
     assert driver.asked == []
 
 
+def test_a_movement_that_ends_before_the_pause_chooses_nothing(started):
+    page, driver = started
+    page.click("#by-doing")
+    assert driver.wait_for_request(page)["do"] == "pause"
+    driver.show(gesture=PINCH)
+    driver.show()
+    driver.show(state="paused")
+    assert page.is_hidden("#chooser")
+    driver.show(state="paused", gesture=PINCH)
+    driver.show(state="paused")
+    wait_for(page, "press-now", "Press a button of a gamepad, or choose here.")
+
+
 def test_a_push_in_all_directions_takes_the_whole_stick(started):
     page, driver = started
     driver.show(state="paused")

@@ -73,7 +73,7 @@ const page = openPage(HZ, {
     [runs, starting] = [true, ""];
     profiles.setPlayed(state.profile);
     cards.mark(state.gesture.movement);
-    listener.hear(state.gesture);
+    if (state.state !== "running") listener.hear(state.gesture); // before the pause it plays
     trial.hear(state, performance.now());
     if (first || state.slow !== shownSlow) showStart();
     if (!layer && state.layer) showLayer();
