@@ -13,7 +13,7 @@ import pytest
 from neurotouch_hid.partial_file import write_whole
 from tests.page.conftest import PROFILE
 from tests.page.processes import LIMIT_S, Driver, Process, View
-from tests.page.waiting import wait_on
+from tests.page.waiting import fly_on, wait_on
 
 
 def wait_for_say(page, words: str) -> str:
@@ -179,9 +179,8 @@ def test_the_curve_follows_the_hand_but_not_while_one_of_its_marks_is_in_use(ope
     page.wait_for_function(f"() => {zooms} && {shown} === 1")
     page.evaluate("window.held = document.querySelector('#curve-handles .mark-full'); held.focus()")
     kept = page.evaluate(shown)
-    for another in (pushes, zooms):
-        page.wait_for_function(f"() => {another}")
-        assert page.evaluate(f"{shown} === {kept} && document.activeElement === window.held")
+    page.wait_for_function(f"() => {pushes}")
+    assert page.evaluate(f"{shown} === {kept} && document.activeElement === window.held")
     page.evaluate("document.activeElement.blur()")
     page.wait_for_function(f"() => {pushes} && {shown} === 0")
 
@@ -411,10 +410,10 @@ def test_the_ship_rolls_as_the_gel_is_twisted(open_page, driver, view, folder):
 def test_the_attract_mode_flies_and_lands_with_figures(open_page, view):
     page = open_page(view.page("game"), viewport={"width": 480, "height": 480}, clock=True)
     page.click("#watch")
-    page.clock.run_for(8_000)
+    fly_on(page, 8)
     assert "Scripted hand: " in page.inner_text("#hand")
     assert int(page.inner_text("#rings").split()[0]) >= 1
-    page.clock.run_for(50_000)
+    fly_on(page, 50)
     assert page.inner_text("#result-words").startswith("12 of 12 rings")
     page.wait_for_function("() => /bit\\/s/.test(document.getElementById('figures').textContent)")
     assert "measure it" in page.inner_text("#result")

@@ -160,7 +160,7 @@ def play_changes(page, driver) -> list[str]:
     def let_pass(changes: dict) -> None:
         for _ in range(3):  # there is data all the time
             driver.show(**changes)
-            page.clock.run_for(1_000)
+            page.clock.fast_forward(1_000)
 
     listen(page)
     for changes in (
