@@ -28,7 +28,7 @@ from neurotouch_hid.process.kernel_files import (
 )
 from neurotouch_hid.process.processor import find_levels, read_abilities
 
-__all__ = ["Kernel", "bind", "find_cache_trouble", "kernel"]
+__all__ = ["Kernel", "bind", "find_cache_trouble", "kernel", "load"]
 
 _IS_OFF: Final = os.environ.get("NUMBA_DISABLE_JIT", "0") not in {"", "0"}
 _one_at_a_time: Final = RLock()
@@ -70,6 +70,17 @@ def bind(function: Callable[..., Any], *first: Any) -> Callable[..., Any]:
         return compiled(*args)
 
     return call
+
+
+def load(function: Callable[..., Any], *args: Any) -> None:
+    """Loads a kernel that is seldom called, so that its first call does not have to compile it.
+
+    Args:
+        function: a kernel.
+        args: arguments of the types that its calls will have; it is not called.
+    """
+    if isinstance(function, Kernel):
+        function.find(*args)
 
 
 class Kernel:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import NOMINAL_PITCH_PX, PAPER_GEL, Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
+from neurotouch_hid.process.kernel_cache import load
 from neurotouch_hid.tracker.kernels import image as kernels
 
 MAX_BLOBS = 1024  # a picture of a gel has fewer
@@ -83,6 +84,8 @@ class BlobFinder:
         self._smooth = np.empty((h, w), np.uint8)
         self._window_px = 0.5 * gel.dot_mm * NOMINAL_PITCH_PX / gel.pitch_mm
         self._found: tuple[NDArray[np.uint8], Blobs] | None = None
+        b = self._buffers
+        load(kernels.centre_blobs, self._smooth, self._window_px, b.background, b.centroid_px)
 
     def find(self, pixels: NDArray[np.uint8]) -> Blobs:
         """Returns the blobs of a frame, (260, 346) uint8, which must not change any more."""

@@ -15,6 +15,7 @@ from neurotouch_hid.messages import (
     GelProblem,
     GelState,
 )
+from neurotouch_hid.process.kernel_cache import load
 from neurotouch_hid.tracker.blobs import Blobs
 from neurotouch_hid.tracker.growth import find_net
 from neurotouch_hid.tracker.kernels import matching
@@ -44,6 +45,8 @@ class Motion:
         self._before_px: NDArray[np.float64] = np.empty((0, 2))
         self._begin_us: int | None = None
         self._moved_us: int | None = None
+        no_px, match = self._before_px, np.empty(0, np.int32)
+        load(matching.match_points, no_px, no_px, _MOTION_GATE_PX, match)
 
     def update(self, centroid_px: NDArray[np.float64], t_us: int) -> bool | None:
         """Returns whether dots have moved lately; None if that is not known yet."""

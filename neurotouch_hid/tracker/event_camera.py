@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import Gel, Rig, fit_rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
+from neurotouch_hid.process.kernel_cache import load
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder
 from neurotouch_hid.tracker.faint_spots import find_faint_spots
 from neurotouch_hid.tracker.kernels import event_camera as kernels
@@ -94,6 +95,8 @@ class EventCamera:
         self._log_per_event = 0.0
         self._noise = _LEAST_NOISE
         self.n_found = self.n_learnt = 0
+        load(kernels.expose, self._now, self._rest, 0.0, np.empty(shape, np.uint8))
+        load(kernels.draw_rest, self._total_px, 0.0, _RATIO, 0.0, self._rest)
 
     def update(self, packet: EventPacket) -> Frame | None:
         """Takes the events of a slice; returns the picture at its start, if one is due."""

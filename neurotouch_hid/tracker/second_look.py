@@ -1,8 +1,11 @@
 """Looks at a frame again if the first look leaves markers or dots over."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import load
 from neurotouch_hid.tracker.blobs import Blobs
 from neurotouch_hid.tracker.kernels import second_look
 from neurotouch_hid.tracker.kernels.correction import MAX_MISSED
@@ -21,6 +24,9 @@ class SecondLook:
         self._certain_px, self._place_px = np.zeros((n, 2)), np.empty((n, 2))
         self._blob = np.empty(n, np.int32)
         self._is_certain = False
+        no_px, some = np.empty((0, 2)), np.empty(n, np.bool_)
+        no_blobs = Blobs(no_px, np.zeros(1, np.int32), np.empty(0, np.int32))
+        load(second_look.look_again, *self._list_arguments(no_blobs, 0.0, some, some))
 
     def remember(self) -> None:
         """Takes the markers before a frame moves them."""
@@ -61,22 +67,8 @@ class SecondLook:
         tracks, place_px, blob = self._tracks, self._place_px, self._blob
         elapsed_s = SECOND * elapsed_us if 0 < elapsed_us <= _LONGEST_US else 0.0
         state = tracks.state
-        now_px = np.column_stack([state["x"], state["y"]])
         n_markers, n_dots, n_hidden, is_unique = second_look.look_again(
-            blobs.centroid_px,
-            blobs.begin,
-            self._before_px if self._is_certain else self._certain_px,
-            elapsed_s * self._velocity,
-            self._certain_px,
-            now_px,
-            state["n_missed"] == 0,
-            tracks.rest_px,
-            tracks.neighbours,
-            absent,
-            inner,
-            self._tuning,
-            blob,
-            place_px,
+            *self._list_arguments(blobs, elapsed_s, absent, inner)
         )
         seen = blob >= 0
         n_first = n_left + int(((state["n_missed"] > 0) & ~absent).sum())
@@ -92,3 +84,29 @@ class SecondLook:
         state["n_missed"] = np.where(seen, 0, np.maximum(state["n_missed"], 1))
         tracks.lost[:] = state["n_missed"] >= MAX_MISSED
         return n_markers, n_dots
+
+    def _list_arguments(
+        self,
+        blobs: Blobs,
+        elapsed_s: float,
+        absent: NDArray[np.bool_],
+        inner: NDArray[np.bool_],
+    ) -> tuple[Any, ...]:
+        """Returns the arguments of ``look_again``."""
+        tracks, state = self._tracks, self._tracks.state
+        return (
+            blobs.centroid_px,
+            blobs.begin,
+            self._before_px if self._is_certain else self._certain_px,
+            elapsed_s * self._velocity,
+            self._certain_px,
+            np.column_stack([state["x"], state["y"]]),
+            state["n_missed"] == 0,
+            tracks.rest_px,
+            tracks.neighbours,
+            absent,
+            inner,
+            self._tuning,
+            self._blob,
+            self._place_px,
+        )

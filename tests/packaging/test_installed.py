@@ -187,6 +187,7 @@ def list_failed(fixes: list[dict]) -> list[str]:
         "run --source sim:press --device memory --seconds 1",
         "run --source sim:press,uvc=60 --device memory --seconds 1",
         "evaluate play/*push.aedat4",
+        "evaluate clips/*.mkv",
         "service --compile",
         "service --source video: --compile",
     ],
