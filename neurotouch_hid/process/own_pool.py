@@ -6,6 +6,8 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from multiprocessing import active_children, get_context
 
+from neurotouch_hid.process.startup import collect_rarely, hasten_pydantic, leave_out_asyncio
+
 
 @contextmanager
 def open_pool(
@@ -21,7 +23,9 @@ def open_pool(
     """
     before = os.environ.get("PYTHONSAFEPATH")
     os.environ["PYTHONSAFEPATH"] = "1"  # what ``-P`` is to a command
-    pool = ProcessPoolExecutor(jobs, mp_context=get_context("spawn"), initializer=prepare)
+    pool = ProcessPoolExecutor(
+        jobs, mp_context=get_context("spawn"), initializer=_begin, initargs=(prepare,)
+    )
     try:
         yield pool
     finally:
@@ -32,3 +36,12 @@ def open_pool(
         for process in active_children():  # those that still work, after an error or Ctrl-C
             process.terminate()
         pool.shutdown()
+
+
+def _begin(prepare: Callable[[], object] | None) -> None:
+    """Makes the imports of a new process as quick as those of a command."""
+    collect_rarely()
+    leave_out_asyncio()
+    hasten_pydantic()
+    if prepare is not None:
+        prepare()

@@ -4,6 +4,7 @@ The counterpart of ``packing``. What is returned lies within what the types can 
 are in the picture and in order is checked where their neighbours are known.
 """
 
+import math
 from typing import Final
 
 import numpy as np
@@ -51,7 +52,7 @@ def unpack_frame(data: bytes | memoryview) -> Frame:
         raise UnfitError(f"a frame of {width}×{height} pixels{what}, not 346×260 of 8 bit")
     begin, n = table.vector(_PIXELS, 1)
     shape = (height, width, _CHANNELS[kind])
-    if n != np.prod(shape):
+    if n != math.prod(shape):
         raise ValueError("a frame has fewer or more pixels than its size says")
     pixels = np.frombuffer(data, np.uint8, n, begin).reshape(shape)
     # Of a colour camera: the gel is black and white.

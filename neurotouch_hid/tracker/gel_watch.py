@@ -232,7 +232,9 @@ class GelWatch:
 
     def _consider(self, seen: GelState, t_us: int, **changes: Any) -> None:
         """Takes what is seen, with changes, as the state, once it lasted; good news at once."""
-        seen = replace(seen, flicker_hz=self.flicker_hz, moved_mm=self._moved_mm, **changes)
+        changes |= {"flicker_hz": self.flicker_hz, "moved_mm": self._moved_mm}
+        if any(getattr(seen, name) != value for name, value in changes.items()):
+            seen = replace(seen, **changes)
         now = self.state
         if seen == now:
             self._doubt = None

@@ -43,6 +43,27 @@ def test_a_started_driver_has_loaded_neither_asyncio_nor_opencv():
     assert say(program) == "{'evdev'}"
 
 
+def test_what_shares_out_an_evaluation_has_loaded_neither_driver_nor_simulator():
+    program = (
+        "import sys, neurotouch_hid.evaluation.accuracy as _; loaded = {*sys.modules}\n"
+        "print({f'neurotouch_hid.{each}' for each in ('runtime', 'source.simulator')} & loaded)"
+    )
+    assert say(program) == "set()"
+
+
+def test_a_process_of_a_pool_loads_no_asyncio_either(tmp_path):
+    (tmp_path / "look.py").write_text(
+        "import sys\ndef look():\n    import evdev; return 'asyncio' in sys.modules\n"
+    )
+    program = (
+        f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import look\n"
+        "from neurotouch_hid.process.own_pool import open_pool\n"
+        "if __name__ == '__main__':\n"
+        "    with open_pool(1) as pool:\n        print(pool.submit(look.look).result())"
+    )
+    assert say(program) == "False"
+
+
 def test_numba_starts_colorama_unless_it_is_left_out(tmp_path):
     """As Debian's python3-colorama does: its start writes to the terminal at the end."""
     (tmp_path / "colorama.py").write_text(

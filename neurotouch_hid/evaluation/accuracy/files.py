@@ -12,7 +12,7 @@ from operator import add
 from pathlib import Path
 from typing import Any
 
-from neurotouch_hid.driver import REFERENCE, Driver, DriverOptions
+from neurotouch_hid.driver import REFERENCE, DriverOptions
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.evaluation.accuracy.comparison import Comparison, map_truth
 from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
@@ -141,6 +141,8 @@ def _die_silently() -> None:
 
 def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
     """Returns the results of one recording; see ``evaluate_files``."""
+    from neurotouch_hid.driver import Driver  # noqa: PLC0415  # only a process that plays needs it
+
     labels = _read_labels(path)
     with Driver(replace(options, source=f"file:{path}")) as driver:
         # Whether it has pictures is asked once: for a protocol Python compares every name.

@@ -8,7 +8,6 @@ from typing import Any
 
 from neurotouch_hid import __version__
 from neurotouch_hid.recording import Simulation, find_simulation
-from neurotouch_hid.source.simulator.dataset import read_manifest
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,9 +75,14 @@ def _find_mark(path: Path) -> Simulation | None:
         RecordingError: it is no recording.
     """
     mark = find_simulation(path)
-    recipe = read_manifest(path.parent).get(path.stem)
-    if mark is not None or not isinstance(recipe, dict):
+    if mark is not None:
         return mark
+    # It loads the simulator, which a process that only plays does not need.
+    from neurotouch_hid.source.simulator.dataset import read_manifest  # noqa: PLC0415
+
+    recipe = read_manifest(path.parent).get(path.stem)
+    if not isinstance(recipe, dict):
+        return None
     seed = recipe.get("seed")
     return Simulation("", path.stem, seed=seed if isinstance(seed, int) else None)
 
