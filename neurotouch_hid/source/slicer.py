@@ -44,10 +44,14 @@ class Slicer:
         self._parts: list[NDArray[np.void]] = []
         self._frames: list[Frame] = []
 
-    @property
-    def length_us(self) -> int:
-        """Length of the slice that is being filled, or of its part."""
-        return self._slice_us if self._begin_us is None else self._end() - self._begin_us
+    def find_end(self) -> int:
+        """Returns the end of the slice that is being filled, or of its part; it has begun."""
+        if self._end_us is None:
+            begin_us, origin_us = self._begin_us, self._origin_us
+            assert begin_us is not None and origin_us is not None  # noqa: S101, PT018 - it began
+            left_us = self._slice_us - (begin_us - origin_us) % self._slice_us
+            self._end_us = begin_us + min(self.part_us or left_us, left_us)
+        return self._end_us
 
     def push(self, events: NDArray[np.void], frames: Iterable[Frame] = ()) -> Iterator[EventPacket]:
         """Takes a batch and yields the slices that it completes.
@@ -63,8 +67,8 @@ class Slicer:
         t = events["t"]
         if self._begin_us is None:
             self._begin(min([int(t[0]), *(f.exposure_end_us for f in self._frames)]))
-        position = 0
-        while (end_us := self._end()) <= t[-1]:
+        position, last_us = 0, int(t[-1])
+        while (end_us := self.find_end()) <= last_us:
             stop = position + int(t[position:].searchsorted(end_us))
             yield self._cut(events[position:stop], end_us)
             position = stop
@@ -79,7 +83,7 @@ class Slicer:
             if not self._frames:
                 return
             self._begin(min(f.exposure_end_us for f in self._frames))
-        while (end_us := self._end()) <= now_us:
+        while (end_us := self.find_end()) <= now_us:
             yield self._cut(np.empty(0, EVENT_DTYPE), end_us)
             self._skip_silence(now_us)
 
@@ -94,14 +98,14 @@ class Slicer:
             The partial slice; None if ``now_us`` is in another slice or there are more events.
         """
         begin_us = self._begin_us
-        if begin_us is None or not begin_us < now_us < self._end():
+        if begin_us is None or not begin_us < now_us < (end_us := self.find_end()):
             return None
         if sum(map(len, self._parts)) > most:
             return None
         if len(self._parts) > 1:
             self._parts = [join_events(self._parts)]
         events = self._parts[0] if self._parts else np.empty(0, EVENT_DTYPE)
-        return cut(EventPacket(begin_us, self._end(), events), now_us)
+        return cut(EventPacket(begin_us, end_us, events), now_us)
 
     def flush(self) -> Iterator[EventPacket]:
         """Yields the remaining slices at the end of the stream, the last one in full length."""
@@ -112,21 +116,12 @@ class Slicer:
         if self._begin_us is None:
             self._begin(min(stamps))
         while self._parts or self._frames:
-            yield self._cut(np.empty(0, EVENT_DTYPE), self._end())
+            yield self._cut(np.empty(0, EVENT_DTYPE), self.find_end())
             if self._frames and not self._parts:
                 self._skip_silence(min(f.exposure_end_us for f in self._frames))
 
     def _begin(self, at_us: int) -> None:
         self._begin_us = self._origin_us = at_us
-
-    def _end(self) -> int:
-        """Returns the end of the slice that is being filled, or of its part."""
-        if self._end_us is None:
-            begin_us, origin_us = self._begin_us, self._origin_us
-            assert begin_us is not None and origin_us is not None  # noqa: S101, PT018 - it began
-            left_us = self._slice_us - (begin_us - origin_us) % self._slice_us
-            self._end_us = begin_us + min(self.part_us or left_us, left_us)
-        return self._end_us
 
     def _cut(self, tail: NDArray[np.void], end_us: int) -> EventPacket:
         """Returns the packet up to ``end_us``: the parts kept so far and ``tail``."""

@@ -58,6 +58,10 @@ class Decoder:
         origin_us: the stream's time at the camera's time 0.
         synced: use all words from the first; else skip those before the timestamp reset.
         is_colour: the sensor has a colour filter, whose mosaic is taken out of the frames.
+
+    Attributes:
+        is_synced: the camera's clock is known.
+        now_us: the time of the last word; all later events are not older.
     """
 
     def __init__(
@@ -73,8 +77,9 @@ class Decoder:
         self._state["is_synced"] = synced
         self._state["origin_us"] = self._state["now_us"] = origin_us
         self._state["y"], self._state["kind"] = -1, BETWEEN_COLUMNS
-        self._now_us, self._is_synced = self._state["now_us"], self._state["is_synced"]  # views
-        self._counters = np.zeros(1, COUNTERS_DTYPE)
+        self._clock = self._state["now_us"], self._state["is_synced"]  # views
+        self.now_us, self.is_synced = origin_us, synced
+        self._counters, self._stats = np.zeros(1, COUNTERS_DTYPE), DecoderStats()
         shape = (self._layout.height_px, self._layout.width_px)
         self._pixels = np.zeros(shape, np.uint8)
         reset = np.zeros(shape, np.int16)
@@ -83,19 +88,12 @@ class Decoder:
         self._odd = b""
         self._mosaic = Mosaic() if is_colour else None
 
-    @property
-    def is_synced(self) -> bool:
-        """True once the camera's clock is known."""
-        return bool(self._is_synced.item())
-
-    @property
-    def now_us(self) -> int:
-        """The time of the last word; all later events are not older."""
-        return int(self._now_us.item())
-
     def stats(self) -> DecoderStats:
-        """Returns counts of malformed data so far."""
-        return DecoderStats(*self._counters.item())
+        """Returns counts of malformed data so far; the same object until one changes."""
+        counts = self._counters.item()
+        if counts != self._stats:
+            self._stats = DecoderStats(*counts)
+        return self._stats
 
     def decode(self, data: bytes) -> tuple[NDArray[np.void], list[Frame]]:
         """Returns the events and frames in the next bytes of the stream.
@@ -115,6 +113,8 @@ class Decoder:
             position, n, whole = self._decode(words, position, self._events, n)
             if whole:
                 frames.append(self._copy_frame())
+        now_us, is_synced = self._clock
+        self.now_us, self.is_synced = now_us.item(), is_synced.item()
         return copy_events(self._events[:n]), frames
 
     def forget(self) -> None:

@@ -210,7 +210,7 @@ class LibusbTransport:
     def _handle_events(self, timeout_s: float) -> None:
         self._wait.tv_usec = round(1e6 * timeout_s)
         result = _libusb.libusb_handle_events_timeout(self._context, byref(self._wait))
-        if result != usb1.ERROR_INTERRUPTED:
+        if result and result != usb1.ERROR_INTERRUPTED:
             _require(result, "read")
 
     def _take_ended(self) -> bool:

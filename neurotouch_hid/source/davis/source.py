@@ -200,7 +200,7 @@ class DavisSource(CameraSource):
                 self._config,
                 self._slice_us,
                 self._hand_over,
-                lambda: self._pacer.is_calm and not self._wants_frames,
+                lambda: not self._wants_frames and self._pacer.is_calm,
                 self._stream,
             )
             self._note_start(self._stream.end_us)

@@ -96,7 +96,8 @@ class Stream:
         self._stream_check = StreamCheck(self.end_us, self._begun_s)
         self._is_idle = False
         self._paced_s = self._retry_s = 0.0
-        self._n_lost = 0
+        self._stats = self._decoder.stats()
+        self._n_impossible = 0
         self._partial_us = -1
         self._faults_s: deque[float] = deque(maxlen=MAX_FAULTS)
         self._stalls_s: deque[float] = deque(maxlen=MAX_STALLS)
@@ -119,7 +120,8 @@ class Stream:
             finally:  # data from before the failure is good
                 now_s = time.monotonic()
                 self._read(now_s)
-            self._deliver_partial()
+            if self._decoder.now_us >= self._find_due():  # whole slices are on their way
+                self._deliver_partial()
             self._check(looked_s)
             if self.end_us > end_us:  # a slice: its last word has just come
                 self._pace_camera(now_s)
@@ -169,14 +171,13 @@ class Stream:
         """
         if self._is_idle:
             return 1e-6 * CALM_REST_US
-        left_us = self.end_us + self._slicer.length_us - self._decoder.now_us
-        if self._has_partial():
-            left_us -= PARTIAL_US
-        return 1e-6 * min(left_us, MOST_REST_US)
+        return 1e-6 * min(self._find_due() - self._decoder.now_us, MOST_REST_US)
 
-    def _has_partial(self) -> bool:
-        """Returns whether a partial slice will come before the next slice."""
-        return self._partial_us != self.end_us and self._slicer.length_us >= SHORTEST_US
+    def _find_due(self) -> int:
+        """Returns when the next slice is due, or the partial slice before it."""
+        due_us = self._slicer.find_end()
+        has_partial = self._partial_us != self.end_us and due_us - self.end_us >= SHORTEST_US
+        return due_us - PARTIAL_US if has_partial else due_us
 
     def _pump(self, rest_until_s: float) -> None:
         try:
@@ -207,9 +208,10 @@ class Stream:
             events = join_events(self._map.map_events(events))
             frames = self._map.map_frames(frames)
         stats, now_us = self._decoder.stats(), self._decoder.now_us
-        self._stream_check.check(len(data) // 2, stats.n_impossible, now_us, now_s)
-        self._gap += stats.n_lost - self._n_lost
-        self._n_lost = stats.n_lost
+        if stats is not self._stats:
+            self._gap += stats.n_lost - self._stats.n_lost
+            self._stats, self._n_impossible = stats, stats.n_impossible
+        self._stream_check.check(len(data) // 2, self._n_impossible, now_us, now_s)
         for packet in self._slicer.push(events, frames):
             self._deliver(packet)
         for packet in self._slicer.reach(now_us):
@@ -221,12 +223,9 @@ class Stream:
         self._gap = 0
 
     def _deliver_partial(self) -> None:
-        """Delivers one partial slice for each slice, once its end is near."""
-        now_us = self._decoder.now_us
-        if now_us < self.end_us + self._slicer.length_us - PARTIAL_US or not self._has_partial():
-            return
+        """Delivers the partial slice of the next slice, once for each."""
         self._partial_us = self.end_us
-        partial = self._slicer.partial(now_us, MAX_PARTIAL_EVENTS)
+        partial = self._slicer.partial(self._decoder.now_us, MAX_PARTIAL_EVENTS)
         if partial is not None:
             self._put(replace(partial, gap=self._gap))
 
@@ -243,7 +242,7 @@ class Stream:
             raise CameraError("The camera sends nothing.")
         if not self._decoder.is_synced and looked_s - self._begun_s > SILENCE_S:
             raise CameraError("The camera does not set its clock.")
-        if _are_many(self._faults_s):
+        if self._faults_s and _are_many(self._faults_s):
             raise CameraError("The camera's USB link fails again and again.")
 
 
