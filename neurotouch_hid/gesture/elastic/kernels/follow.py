@@ -12,7 +12,12 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.kernels.field import bound_gain, find_site
 from neurotouch_hid.gesture.elastic.kernels.fit import keep_inside, refine
-from neurotouch_hid.gesture.elastic.kernels.markers import find_common, measure_sway, weigh_markers
+from neurotouch_hid.gesture.elastic.kernels.markers import (
+    find_common,
+    find_lone,
+    measure_sway,
+    weigh_markers,
+)
 from neurotouch_hid.gesture.elastic.kernels.motion import (
     DRAG_X,
     DRAG_Y,
@@ -392,17 +397,23 @@ def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
     x, y = find_common(moved, fingers.weight)
     part = measure_sway(moved, fingers.weight, x, y) / max(math.hypot(x, y), 1e-9)
     fingers.common_x_mm, fingers.common_y_mm = part * x, part * y
-    for i in range(len(moved)):
-        fit.residual[i, 0], fit.residual[i, 1] = moved[i, 0] - x, moved[i, 1] - y
     least = rules.noise_gain * fingers.noise_mm**2
-    if bound_gain(fit.residual, fingers.weight) < rules.sure * least:
-        return False
     while fit.count < rules.most:
+        if fit.count == 0:
+            for i in range(len(moved)):
+                fit.residual[i, 0], fit.residual[i, 1] = moved[i, 0] - x, moved[i, 1] - y
+            if bound_gain(fit.residual, fingers.weight) < rules.sure * least:
+                return False
         site, gain = _find(fit, fingers, gel, rules, least)
         if gain < least:
             break
         _add(fit, fits, fingers, gel, rules, site)
         if fit.count == 1:
+            lone = find_lone(moved, x, y, fit.residual, fingers.weight)
+            if lone >= 0:
+                fingers.weight[lone] = 0.0
+                fit.count = 0
+                continue
             if fit.largest_mm < rules.least_mm:
                 return False
             fits[BEST] = fit

@@ -9,6 +9,10 @@ from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
+LONE_SHARE = 0.5
+"""A finger of which one marker explains more than this share is none. A fingertip covers several
+markers, two or three of them beside the rim, and these move alike."""
+
 
 @kernel
 def weigh_markers(
@@ -53,6 +57,30 @@ def find_common(moved: Floats, weight: Floats) -> tuple[float, float]:
             x[n], y[n] = moved[i, 0], moved[i, 1]
             n += 1
     return float(np.median(x[:n])), float(np.median(y[:n]))
+
+
+@kernel
+def find_lone(moved: Floats, x: float, y: float, residual: Floats, weight: Floats) -> int:
+    """Returns the marker to which a first finger was fitted, if it is hardly any other's; else -1.
+
+    Such a marker follows a speck: gel that is dragged takes its neighbours along.
+
+    Args:
+        moved: (n, 2) float64 mm.
+        x: of the markers' common displacement, mm.
+        y: of the markers' common displacement, mm.
+        residual: (n, 2) float64 mm, what the finger leaves.
+        weight: (n,) float64, trust in each marker.
+    """
+    most, total, lone = 0.0, 0.0, -1
+    for i in range(len(weight)):
+        square = (moved[i, 0] - x) ** 2 + (moved[i, 1] - y) ** 2
+        left = residual[i, 0] * residual[i, 0] + residual[i, 1] * residual[i, 1]
+        gain = max(weight[i] * (square - left), 0.0)
+        total += gain
+        if gain > most:
+            most, lone = gain, i
+    return lone if most > LONE_SHARE * total else -1
 
 
 @kernel
