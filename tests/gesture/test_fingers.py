@@ -69,6 +69,17 @@ def test_a_marker_that_follows_a_speck_is_no_finger(at_mm, by_mm):
     assert motion.largest_mm == pytest.approx(0.4, abs=0.1)
 
 
+def test_a_marker_that_follows_a_speck_beside_a_finger_is_none():
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    push = field(PLACES[:1], np.array([[0.5, 0.0]]))
+    for _ in range(3):
+        assert fingers.update(push, SEES_ALL, 0.04, forming=True).n_fingers == 1
+    push[np.hypot(*(PAPER_GEL.points_mm - [8.0, -28.0]).T).argmin()] = [-1.2, 0.0]
+    for _ in range(4):
+        assert fingers.update(push, SEES_ALL, 0.04, forming=True).n_fingers == 1
+
+
 def test_overlapping_fingers_are_searched_for_again():
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)

@@ -8,10 +8,14 @@ from neurotouch_hid.gesture.elastic.kind_decider import KindDecider
 from neurotouch_hid.messages import GestureKind
 
 
-def push(decision, size_mm, *, sway_mm=0.0, error_mm=0.0, noise_mm=0.05, rest_age_us=None):
+def push(
+    decision, size_mm, *, sway_mm=0.0, error_mm=0.0, is_lost=False, noise_mm=0.05, rest_age_us=None
+):
     """One slice of 10 ms in which one finger drags by ``size_mm``."""
     parts_mm = np.array([0.0, size_mm, 0.0, 0.0, 0.0, 0.0])
-    motion = FingerMotion(1, size_mm, size_mm, sway_mm, error_mm, 0.0, 0.0, 0.0, 1.0, parts_mm)
+    motion = FingerMotion(
+        1, size_mm, size_mm, sway_mm, error_mm, is_lost, 0.0, 0.0, 0.0, 1.0, parts_mm
+    )
     decision.update(10_000, motion, noise_mm, rest_age_us)
 
 
@@ -58,12 +62,25 @@ def test_motion_that_fingers_do_not_explain_is_a_knock_while_the_gel_moves():
     assert begin(2.5, 0.2, 0.4) is GestureKind.PUSH
 
 
-def press_and_release(decision, left_mm, most_mm=5.0):
+def press_and_release(decision, left_mm, most_mm=5.0, *, is_lost=False):
     """Pushes by 5 mm for 0.2 s, then leaves some of it within 50 ms."""
     for _ in range(20):
-        push(decision, most_mm)
+        push(decision, most_mm, is_lost=is_lost)
     for size_mm in np.linspace(most_mm, left_mm, 6)[1:]:
-        push(decision, size_mm)
+        push(decision, size_mm, is_lost=is_lost)
+
+
+@pytest.mark.parametrize(
+    ("left_mm", "is_lost", "kind"),
+    [(0.6, True, GestureKind.NONE), (0.6, False, GestureKind.PUSH), (2.5, True, GestureKind.PUSH)],
+)
+def test_tracks_that_are_left_behind_are_no_gesture(left_mm, is_lost, kind):
+    decision = KindDecider()
+    press_and_release(decision, left_mm, is_lost=is_lost)
+    assert decision.kind is kind
+    for _ in range(5):
+        push(decision, left_mm, is_lost=is_lost)
+    assert decision.kind is kind
 
 
 @pytest.mark.parametrize(
@@ -120,7 +137,7 @@ def test_a_type_that_hardly_leads_is_not_final_yet():
 
     def drag(push_mm, twist_mm):
         parts_mm = np.array([0.0, push_mm, 0.0, 0.0, twist_mm, 0.0])
-        motion = FingerMotion(2, 2.5, 2.5, 0.0, 0.0, 0.0, 0.0, 0.1, 1.0, parts_mm)
+        motion = FingerMotion(2, 2.5, 2.5, 0.0, 0.0, False, 0.0, 0.0, 0.1, 1.0, parts_mm)
         decision.update(10_000, motion, 0.05)
         return decision.kind
 
@@ -146,7 +163,7 @@ def test_the_swing_of_a_released_gel_is_no_gesture(largest_mm, pause_us, begins)
 def test_a_tap_keeps_its_type_while_the_fingers_leave():
     def twist(size_mm):
         parts_mm = np.array([0.0, 0.0, 0.0, 0.0, 8.0, 0.0])
-        motion = FingerMotion(1, size_mm, size_mm, 0.0, 0.0, 0.0, 0.0, 0.1, 1.0, parts_mm)
+        motion = FingerMotion(1, size_mm, size_mm, 0.0, 0.0, False, 0.0, 0.0, 0.1, 1.0, parts_mm)
         decision.update(10_000, motion, 0.05)
         return decision.kind
 

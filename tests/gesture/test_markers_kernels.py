@@ -43,14 +43,14 @@ def test_the_common_motion_is_the_median_of_trusted_markers(seed, n):
 
 @pytest.mark.parametrize(("others", "lone"), [(0.0, 3), (0.4, 3), (0.6, -1), (1.0, -1)])
 def test_a_marker_is_alone_that_is_more_than_half_of_what_a_finger_explains(others, lone):
-    moved, weight = np.full((9, 2), 0.1), np.ones(9)
-    moved[3] += [1.0, 0.0]
-    moved[5:] += [0.0, others]
-    left = np.zeros((9, 2))
-    left[0] = [2.0, 0.0]  # what a finger makes worse says nothing of it
-    assert find_lone(moved, 0.1, 0.1, left, weight) == lone
+    before, weight = np.zeros((9, 2)), np.ones(9)
+    before[3] = [1.0, 0.0]
+    before[5:] = [0.0, others]
+    after = np.zeros((9, 2))
+    after[0] = [2.0, 0.0]  # what a finger makes worse says nothing of it
+    assert find_lone(before, after, weight) == lone
     weight[3] = 0.0
-    assert find_lone(moved, 0.1, 0.1, left, weight) == -1
+    assert find_lone(before, after, weight) == -1
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 30))

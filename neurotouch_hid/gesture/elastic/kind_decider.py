@@ -132,7 +132,7 @@ class KindDecider:
         Args:
             step_us: time since the previous slice.
             motion: the motion of the fingers in this slice; only ``largest_mm``, ``peak_mm``,
-                ``parts_mm``, ``n_fingers``, ``sway_mm`` and ``error_mm`` are read.
+                ``parts_mm``, ``n_fingers``, ``sway_mm``, ``error_mm`` and ``is_lost`` are read.
             noise_mm: error of a marker on one axis.
             rest_age_us: how long ago the gel was seen at rest, if a frame has just told so.
         """
@@ -150,7 +150,8 @@ class KindDecider:
         off_mm = min(config.off_mm, config.least_off_mm + config.creep * self._most_mm)
         off_mm += self._kept_share * self._most_mm
         self._above_us = self._above_us + step_us if begins else 0
-        self._below_us = self._below_us + step_us if size_mm < off_mm else 0
+        is_below = size_mm < off_mm or self._is_left(motion)
+        self._below_us = self._below_us + step_us if is_below else 0
         on_us = config.on_us if self._sway_mm < config.still_mm else 2 * config.on_us
         if self.kind is GestureKind.NONE and self._above_us < on_us:
             self._size_mm = size_mm
@@ -218,6 +219,13 @@ class KindDecider:
             share = min(size_mm / self._left_by_mm, config.kept)
             self._kept_share += config.kept_rate * (share - self._kept_share)
         self._left_by_mm = 0.0
+
+    def _is_left(self, motion: FingerMotion) -> bool:
+        """Returns True if the fingers leave, and what moves still does not look like fingers.
+
+        Tracks that lost their markers in the motion are left behind, each by itself.
+        """
+        return motion.is_lost and self._is_ending and motion.peak_mm < self._config.latch_mm
 
     def _is_seen_over(self, rest_age_us: int | None, size_mm: float) -> bool:
         """Returns True if the fingers leave, and a frame since the begin shows the gel at rest.

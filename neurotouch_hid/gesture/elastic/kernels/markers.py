@@ -60,22 +60,20 @@ def find_common(moved: Floats, weight: Floats) -> tuple[float, float]:
 
 
 @kernel
-def find_lone(moved: Floats, x: float, y: float, residual: Floats, weight: Floats) -> int:
-    """Returns the marker to which a first finger was fitted, if it is hardly any other's; else -1.
+def find_lone(before: Floats, after: Floats, weight: Floats) -> int:
+    """Returns the marker to which a finger was fitted, if it is hardly any other's; else -1.
 
     Such a marker follows a speck: gel that is dragged takes its neighbours along.
 
     Args:
-        moved: (n, 2) float64 mm.
-        x: of the markers' common displacement, mm.
-        y: of the markers' common displacement, mm.
-        residual: (n, 2) float64 mm, what the finger leaves.
+        before: (n, 2) float64 mm, what was left to explain without the finger.
+        after: (n, 2) float64 mm, what is left with it.
         weight: (n,) float64, trust in each marker.
     """
     most, total, lone = 0.0, 0.0, -1
     for i in range(len(weight)):
-        square = (moved[i, 0] - x) ** 2 + (moved[i, 1] - y) ** 2
-        left = residual[i, 0] * residual[i, 0] + residual[i, 1] * residual[i, 1]
+        square = before[i, 0] * before[i, 0] + before[i, 1] * before[i, 1]
+        left = after[i, 0] * after[i, 0] + after[i, 1] * after[i, 1]
         gain = max(weight[i] * (square - left), 0.0)
         total += gain
         if gain > most:
