@@ -80,6 +80,20 @@ def test_a_marker_that_follows_a_speck_beside_a_finger_is_none():
         assert fingers.update(push, SEES_ALL, 0.04, forming=True).n_fingers == 1
 
 
+def test_tracks_that_stay_behind_one_by_one_are_no_fingers():
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    push = field(PLACES[:1], np.array([[1.0, 0.0]]))
+    for share in (1.0, 0.6, 0.4):
+        motion = fingers.update(share * push, SEES_ALL, 0.04, forming=False, falling=True)
+        assert motion.n_fingers == 1
+        assert not motion.is_lost
+    near = np.hypot(*(PAPER_GEL.points_mm - PLACES[0]).T) < 12.0
+    behind = near & (np.arange(len(near)) % 2 > 0)
+    motion = fingers.update(behind[:, None] * push, SEES_ALL, 0.04, forming=False, falling=True)
+    assert motion.is_lost
+
+
 def test_overlapping_fingers_are_searched_for_again():
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)
