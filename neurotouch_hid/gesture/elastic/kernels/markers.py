@@ -10,8 +10,8 @@ from neurotouch_hid.process.kernel_cache import kernel
 Floats = NDArray[np.float64]
 
 LONE_SHARE = 0.5
-"""A finger of which one marker explains more than this share is none. A fingertip covers several
-markers, two or three of them beside the rim, and these move alike."""
+"""If one marker is more than this share of what a finger explains, there is no finger. A fingertip
+covers several markers, two or three of them beside the rim, and these move alike."""
 
 
 @kernel
