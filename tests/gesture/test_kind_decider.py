@@ -71,25 +71,26 @@ def press_and_release(decision, left_mm, most_mm=5.0):
 
 
 @pytest.mark.parametrize(
-    ("left_mm", "n_lost", "kind"),
+    ("left_mm", "error_mm", "n_lost", "kind"),
     [
-        (0.6, 1, GestureKind.PUSH),
-        (0.6, 2, GestureKind.NONE),
-        (2.2, 5, GestureKind.PUSH),
+        (0.6, 0.1, 1, GestureKind.PUSH),
+        (0.6, 0.1, 2, GestureKind.NONE),
+        (0.6, 0.06, 5, GestureKind.PUSH),  # hardly more than noise
+        (2.2, 0.1, 5, GestureKind.PUSH),
     ],
 )
-def test_tracks_that_stay_behind_are_no_gesture(left_mm, n_lost, kind):
+def test_tracks_that_stay_behind_are_no_gesture(left_mm, error_mm, n_lost, kind):
     decision = KindDecider()
     press_and_release(decision, left_mm)
     for _ in range(n_lost):
-        push(decision, left_mm, is_lost=True)
+        push(decision, left_mm, error_mm=error_mm, is_lost=True)
     assert decision.kind is kind
 
 
 def test_a_gesture_that_goes_on_does_not_end_because_its_fingers_are_lost():
     decision = KindDecider()
     for size_mm in (0.5, 0.7, 0.9, 1.0, 1.0, 1.0):
-        push(decision, size_mm, is_lost=True)
+        push(decision, size_mm, error_mm=0.2, is_lost=True)
     assert decision.kind is GestureKind.PUSH
 
 
