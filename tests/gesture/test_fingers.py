@@ -52,6 +52,48 @@ def test_no_finger_is_added_while_fingers_leave(falling):
     assert motion.n_fingers == (1 if falling else 2)
 
 
+@pytest.mark.parametrize(
+    ("at_mm", "by_mm"),
+    [((8.0, -28.0), (-1.2, 0.0)), ((0.0, -28.0), (0.0, 1.2)), ((-12.0, -24.0), (0.0, 1.2))],
+)
+def test_a_marker_that_follows_a_speck_is_no_finger(at_mm, by_mm):
+    """Beside the rim, where a marker has few neighbours, a finger can be fitted to it alone."""
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    moved = np.zeros(REST_PX.shape)
+    moved[np.hypot(*(PAPER_GEL.points_mm - at_mm).T).argmin()] = by_mm
+    assert fingers.update(moved, SEES_ALL, 0.04, forming=True).n_fingers == 0
+    beside = moved + field(PLACES[:1], np.array([[0.4, 0.0]]))
+    motion = fingers.update(beside, SEES_ALL, 0.04, forming=True)
+    assert motion.n_fingers == 1
+    assert motion.largest_mm == pytest.approx(0.4, abs=0.1)
+
+
+def test_a_marker_that_follows_a_speck_beside_a_finger_is_none():
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    push = field(PLACES[:1], np.array([[0.5, 0.0]]))
+    for _ in range(3):
+        assert fingers.update(push, SEES_ALL, 0.04, forming=True).n_fingers == 1
+    push[np.hypot(*(PAPER_GEL.points_mm - [8.0, -28.0]).T).argmin()] = [-1.2, 0.0]
+    for _ in range(4):
+        assert fingers.update(push, SEES_ALL, 0.04, forming=True).n_fingers == 1
+
+
+def test_tracks_that_stay_behind_one_by_one_are_no_fingers():
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    push = field(PLACES[:1], np.array([[1.0, 0.0]]))
+    for share in (1.0, 0.6, 0.4):
+        motion = fingers.update(share * push, SEES_ALL, 0.04, forming=False, falling=True)
+        assert motion.n_fingers == 1
+        assert not motion.is_lost
+    near = np.hypot(*(PAPER_GEL.points_mm - PLACES[0]).T) < 12.0
+    behind = near & (np.arange(len(near)) % 2 > 0)
+    motion = fingers.update(behind[:, None] * push, SEES_ALL, 0.04, forming=False, falling=True)
+    assert motion.is_lost
+
+
 def test_overlapping_fingers_are_searched_for_again():
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)

@@ -8,10 +8,14 @@ from neurotouch_hid.gesture.elastic.kind_decider import KindDecider
 from neurotouch_hid.messages import GestureKind
 
 
-def push(decision, size_mm, *, sway_mm=0.0, error_mm=0.0, noise_mm=0.05, rest_age_us=None):
+def push(
+    decision, size_mm, *, sway_mm=0.0, error_mm=0.0, is_lost=False, noise_mm=0.05, rest_age_us=None
+):
     """One slice of 10 ms in which one finger drags by ``size_mm``."""
     parts_mm = np.array([0.0, size_mm, 0.0, 0.0, 0.0, 0.0])
-    motion = FingerMotion(1, size_mm, size_mm, sway_mm, error_mm, 0.0, 0.0, 0.0, 1.0, parts_mm)
+    motion = FingerMotion(
+        1, size_mm, size_mm, sway_mm, error_mm, is_lost, 0.0, 0.0, 0.0, 1.0, parts_mm
+    )
     decision.update(10_000, motion, noise_mm, rest_age_us)
 
 
@@ -64,6 +68,30 @@ def press_and_release(decision, left_mm, most_mm=5.0):
         push(decision, most_mm)
     for size_mm in np.linspace(most_mm, left_mm, 6)[1:]:
         push(decision, size_mm)
+
+
+@pytest.mark.parametrize(
+    ("left_mm", "error_mm", "n_lost", "kind"),
+    [
+        (0.6, 0.1, 1, GestureKind.PUSH),
+        (0.6, 0.1, 2, GestureKind.NONE),
+        (0.6, 0.06, 5, GestureKind.PUSH),  # hardly more than noise
+        (2.2, 0.1, 5, GestureKind.PUSH),
+    ],
+)
+def test_tracks_that_stay_behind_are_no_gesture(left_mm, error_mm, n_lost, kind):
+    decision = KindDecider()
+    press_and_release(decision, left_mm)
+    for _ in range(n_lost):
+        push(decision, left_mm, error_mm=error_mm, is_lost=True)
+    assert decision.kind is kind
+
+
+def test_a_gesture_that_goes_on_does_not_end_because_its_fingers_are_lost():
+    decision = KindDecider()
+    for size_mm in (0.5, 0.7, 0.9, 1.0, 1.0, 1.0):
+        push(decision, size_mm, error_mm=0.2, is_lost=True)
+    assert decision.kind is GestureKind.PUSH
 
 
 @pytest.mark.parametrize(
@@ -120,7 +148,7 @@ def test_a_type_that_hardly_leads_is_not_final_yet():
 
     def drag(push_mm, twist_mm):
         parts_mm = np.array([0.0, push_mm, 0.0, 0.0, twist_mm, 0.0])
-        motion = FingerMotion(2, 2.5, 2.5, 0.0, 0.0, 0.0, 0.0, 0.1, 1.0, parts_mm)
+        motion = FingerMotion(2, 2.5, 2.5, 0.0, 0.0, False, 0.0, 0.0, 0.1, 1.0, parts_mm)
         decision.update(10_000, motion, 0.05)
         return decision.kind
 
@@ -146,7 +174,7 @@ def test_the_swing_of_a_released_gel_is_no_gesture(largest_mm, pause_us, begins)
 def test_a_tap_keeps_its_type_while_the_fingers_leave():
     def twist(size_mm):
         parts_mm = np.array([0.0, 0.0, 0.0, 0.0, 8.0, 0.0])
-        motion = FingerMotion(1, size_mm, size_mm, 0.0, 0.0, 0.0, 0.0, 0.1, 1.0, parts_mm)
+        motion = FingerMotion(1, size_mm, size_mm, 0.0, 0.0, False, 0.0, 0.0, 0.1, 1.0, parts_mm)
         decision.update(10_000, motion, 0.05)
         return decision.kind
 

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.gesture.elastic.kernels.markers import (
     find_common,
+    find_lone,
     measure_spread,
     measure_sway,
     weigh_markers,
@@ -38,6 +39,18 @@ def test_the_common_motion_is_the_median_of_trusted_markers(seed, n):
     moved, weight = rng.normal(0, 1, (n, 2)), rng.random(n) * (rng.random(n) < 0.7)
     weight[0] = 1.0
     assert find_common(moved, weight) == tuple(np.median(moved[weight > 0], axis=0))
+
+
+@pytest.mark.parametrize(("others", "lone"), [(0.0, 3), (0.4, 3), (0.6, -1), (1.0, -1)])
+def test_a_marker_is_alone_that_is_more_than_half_of_what_a_finger_explains(others, lone):
+    before, weight = np.zeros((9, 2)), np.ones(9)
+    before[3] = [1.0, 0.0]
+    before[5:] = [0.0, others]
+    after = np.zeros((9, 2))
+    after[0] = [2.0, 0.0]  # what a finger makes worse says nothing of it
+    assert find_lone(before, after, weight) == lone
+    weight[3] = 0.0
+    assert find_lone(before, after, weight) == -1
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 30))

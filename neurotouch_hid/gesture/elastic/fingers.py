@@ -146,6 +146,7 @@ MOTION: Final = np.dtype(
         ("peak_mm", "f8"),
         ("sway_mm", "f8"),
         ("error_mm", "f8"),
+        ("is_lost", "?"),
         ("x_mm", "f8"),
         ("y_mm", "f8"),
         ("rotation_rad", "f8"),
@@ -221,6 +222,7 @@ class FingerMotion(NamedTuple):
         peak_mm: how far dots under a finger go at most, see ``measure_peak``.
         sway_mm: how far the whole gel is from its recent mean.
         error_mm: rms of the displacement that the fingers do not explain, one axis.
+        is_lost: the fingers explain too little of the field, and no search found better ones.
         x_mm: translation of the fingers' mean position along x.
         y_mm: the same along y.
         rotation_rad: rotation about the mean position, clockwise for the user positive.
@@ -234,6 +236,7 @@ class FingerMotion(NamedTuple):
     peak_mm: float
     sway_mm: float
     error_mm: float
+    is_lost: bool
     x_mm: float
     y_mm: float
     rotation_rad: float

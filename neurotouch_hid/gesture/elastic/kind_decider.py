@@ -45,6 +45,10 @@ class KindDeciderConfig:
         still_size_mm: smaller changes of the size are no motion.
         on_us: how long the size must be above the limit before a gesture begins.
         off_us: how long the size must be below the limit before a gesture ends.
+        left_us: how long what moves must not look like fingers before a gesture ends whose fingers
+            leave. A single slice of a quick motion may not look like any.
+        left_noise: the fingers must also leave this much unexplained, in errors of a marker. These
+            come from the median, and noise has long tails.
         memory_us: time constant of the evidence for each kind.
         latch_mm: the kind can become final only at or above this size.
         latch_us: how long one kind must have led before it becomes final.
@@ -80,6 +84,8 @@ class KindDeciderConfig:
     still_size_mm: float = 0.06
     on_us: int = 10_000
     off_us: int = 10_000
+    left_us: int = 20_000
+    left_noise: float = 1.5
     memory_us: int = 60_000
     latch_mm: float = 2.0
     latch_us: int = 40_000
@@ -112,7 +118,7 @@ class KindDecider:
         self._size_mm = self._most_mm = self._speed_mm_s = 0.0
         self._is_ending = False
         self._n_fingers = 0
-        self._above_us = self._below_us = self._led_us = 0
+        self._above_us = self._below_us = self._left_us = self._led_us = 0
 
     @property
     def is_forming(self) -> bool:
@@ -132,7 +138,7 @@ class KindDecider:
         Args:
             step_us: time since the previous slice.
             motion: the motion of the fingers in this slice; only ``largest_mm``, ``peak_mm``,
-                ``parts_mm``, ``n_fingers``, ``sway_mm`` and ``error_mm`` are read.
+                ``parts_mm``, ``n_fingers``, ``sway_mm``, ``error_mm`` and ``is_lost`` are read.
             noise_mm: error of a marker on one axis.
             rest_age_us: how long ago the gel was seen at rest, if a frame has just told so.
         """
@@ -151,6 +157,7 @@ class KindDecider:
         off_mm += self._kept_share * self._most_mm
         self._above_us = self._above_us + step_us if begins else 0
         self._below_us = self._below_us + step_us if size_mm < off_mm else 0
+        self._left_us = self._left_us + step_us if self._is_left(motion, noise_mm) else 0
         on_us = config.on_us if self._sway_mm < config.still_mm else 2 * config.on_us
         if self.kind is GestureKind.NONE and self._above_us < on_us:
             self._size_mm = size_mm
@@ -158,6 +165,7 @@ class KindDecider:
             return
         is_over = (
             self._below_us >= config.off_us
+            or self._left_us >= config.left_us
             or self._is_kept(motion.largest_mm)
             or self._is_seen_over(rest_age_us, size_mm)
         )
@@ -218,6 +226,15 @@ class KindDecider:
             share = min(size_mm / self._left_by_mm, config.kept)
             self._kept_share += config.kept_rate * (share - self._kept_share)
         self._left_by_mm = 0.0
+
+    def _is_left(self, motion: FingerMotion, noise_mm: float) -> bool:
+        """Returns True if the fingers leave, and what still moves does not look like fingers.
+
+        Tracks that lose their markers in a motion stay behind, each by itself.
+        """
+        if not motion.is_lost or motion.error_mm < self._config.left_noise * noise_mm:
+            return False
+        return self._is_ending and motion.peak_mm < self._config.latch_mm
 
     def _is_seen_over(self, rest_age_us: int | None, size_mm: float) -> bool:
         """Returns True if the fingers leave, and a frame since the begin shows the gel at rest.

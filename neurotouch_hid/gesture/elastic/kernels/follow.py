@@ -12,7 +12,12 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.gesture.elastic.kernels.field import bound_gain, find_site
 from neurotouch_hid.gesture.elastic.kernels.fit import keep_inside, refine
-from neurotouch_hid.gesture.elastic.kernels.markers import find_common, measure_sway, weigh_markers
+from neurotouch_hid.gesture.elastic.kernels.markers import (
+    find_common,
+    find_lone,
+    measure_sway,
+    weigh_markers,
+)
 from neurotouch_hid.gesture.elastic.kernels.motion import (
     DRAG_X,
     DRAG_Y,
@@ -130,6 +135,7 @@ def follow(
     fingers.standing_y_mm += share * y
     motion.sway_mm, motion.error_mm = math.hypot(x, y), 0.0
     motion.x_mm = motion.y_mm = motion.rotation_rad = 0.0
+    motion.is_lost = n > 0 and _is_lost(fit, fingers, rules, total, field)
     motion.parts_mm[:] = 0.0
     _take_along(fit, fingers, step_us)
     if n == 0:
@@ -346,7 +352,7 @@ def _add(fit: Any, fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any, s
 
 @kernel(inline="always")
 def _extend(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
-    """Adds a finger to those that are followed, if it explains enough."""
+    """Adds a finger to those that are followed, if it explains enough of several markers."""
     fit = fits[WARM]
     required = _required(fit, fingers, rules)
     if fit.count >= rules.most or fit.cost < rules.sure * 0.4 * required:
@@ -356,6 +362,8 @@ def _extend(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
         return
     fits[TRIED] = fit
     _add(fits[TRIED], fits, fingers, gel, rules, site)
+    if find_lone(fit.residual, fits[TRIED].residual, fingers.weight) >= 0:
+        return
     if fit.cost - fits[TRIED].cost > required and _are_apart(fits[TRIED], rules):
         fits[WARM] = fits[TRIED]
 
@@ -384,7 +392,7 @@ def _reduce(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
 def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
     """Searches for fingers from nothing, the strongest first; returns False if there are none.
 
-    The best fit is in ``BEST`` afterwards.
+    The best fit is in ``BEST`` afterwards. A marker that makes a finger alone loses its trust.
     """
     fit = fits[COLD]
     fit.count = 0
@@ -392,16 +400,24 @@ def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
     x, y = find_common(moved, fingers.weight)
     part = measure_sway(moved, fingers.weight, x, y) / max(math.hypot(x, y), 1e-9)
     fingers.common_x_mm, fingers.common_y_mm = part * x, part * y
-    for i in range(len(moved)):
-        fit.residual[i, 0], fit.residual[i, 1] = moved[i, 0] - x, moved[i, 1] - y
-    least = rules.noise_gain * fingers.noise_mm**2
-    if bound_gain(fit.residual, fingers.weight) < rules.sure * least:
-        return False
+    before, least = np.empty((len(moved), 2)), 0.0
     while fit.count < rules.most:
+        if fit.count == 0:
+            for i in range(len(moved)):
+                fit.residual[i, 0], fit.residual[i, 1] = moved[i, 0] - x, moved[i, 1] - y
+            least = rules.noise_gain * fingers.noise_mm**2
+            if bound_gain(fit.residual, fingers.weight) < rules.sure * least:
+                return False
         site, gain = _find(fit, fingers, gel, rules, least)
         if gain < least:
             break
+        before[:] = fit.residual
         _add(fit, fits, fingers, gel, rules, site)
+        lone = find_lone(before, fit.residual, fingers.weight)
+        if lone >= 0:
+            fingers.weight[lone] = 0.0
+            fit.count = 0
+            continue
         if fit.count == 1:
             if fit.largest_mm < rules.least_mm:
                 return False

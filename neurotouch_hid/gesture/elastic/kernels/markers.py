@@ -9,6 +9,10 @@ from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
 
+LONE_SHARE = 0.5
+"""If one marker is more than this share of what a finger explains, there is no finger. A fingertip
+covers several markers, two or three of them beside the rim, and these move alike."""
+
 
 @kernel
 def weigh_markers(
@@ -53,6 +57,28 @@ def find_common(moved: Floats, weight: Floats) -> tuple[float, float]:
             x[n], y[n] = moved[i, 0], moved[i, 1]
             n += 1
     return float(np.median(x[:n])), float(np.median(y[:n]))
+
+
+@kernel
+def find_lone(before: Floats, after: Floats, weight: Floats) -> int:
+    """Returns the marker to which a finger was fitted, if it is hardly any other's; else -1.
+
+    Such a marker follows a speck: gel that is dragged takes its neighbours along.
+
+    Args:
+        before: (n, 2) float64 mm, what was left to explain without the finger.
+        after: (n, 2) float64 mm, what is left with it.
+        weight: (n,) float64, trust in each marker.
+    """
+    most, total, lone = 0.0, 0.0, -1
+    for i in range(len(weight)):
+        square = before[i, 0] * before[i, 0] + before[i, 1] * before[i, 1]
+        left = after[i, 0] * after[i, 0] + after[i, 1] * after[i, 1]
+        gain = max(weight[i] * (square - left), 0.0)
+        total += gain
+        if gain > most:
+            most, lone = gain, i
+    return lone if most > LONE_SHARE * total else -1
 
 
 @kernel
