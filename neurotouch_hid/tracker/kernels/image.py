@@ -230,8 +230,9 @@ def centre_blobs(
 ) -> None:
     """Moves centroids to the middle of their dots in a Gaussian window (SExtractor's XWIN).
 
-    Noise decides which pixels exceed a threshold, and whether a dot has joined specks beside it.
-    Such a window asks for no threshold, and pixels far from the dot hardly count.
+    Which pixels exceed a threshold jumps while a dot goes a part of a pixel, so the middle of those
+    that do is up to 0.2 px off. Noise decides it, too, and whether a dot has joined specks beside
+    it. Such a window asks for no threshold, and pixels far from the dot hardly count.
 
     Args:
         pixels: (h, w) uint8.
