@@ -131,6 +131,7 @@ class Pipeline:
         if self.tracker.flicker is not self._flicker:
             self._flicker = self.tracker.flicker
             self.rest.detector.note_flicker(self._flicker.hz if self._flicker else None)
+        self.rest.detector.note_camera(has_events=self.tracker.has_events)
         gesture = self.recognizer.update(markers)
         begun_ns = timings.gesture.end(begun_ns)
         if self.tracker.is_unsure:

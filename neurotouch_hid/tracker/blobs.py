@@ -67,10 +67,15 @@ class BlobFinder:
     Args:
         config: what is a marker.
         gel: says whether the markers are light or dark.
+
+    Attributes:
+        is_fine: a dot's place is its middle in a window, see ``centre_blobs``; in noise it always
+            is. That takes longer than the search, so it is for cameras without events.
     """
 
     def __init__(self, config: BlobConfig | None = None, gel: Gel = PAPER_GEL) -> None:
         self._config, self._gel = config or BlobConfig(), gel
+        self.is_fine = False
         h, w, block = SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, kernels.BLOCK_PX
         blocks = -(-h // block), -(-w // block)
         self._buffers = kernels.Buffers(
@@ -100,18 +105,21 @@ class BlobFinder:
         n_clear = kernels.threshold_blocks(
             pixels, c.n_sigma, c.min_contrast, b.threshold, b.background
         )
-        if n_clear < c.min_clear:
+        is_weak = n_clear < c.min_clear
+        if is_weak:
             middle_dn = float(np.median(b.background))
             kernels.smooth(pixels, kernels.GAIN, middle_dn, self._smooth)
             pixels, least = self._smooth, kernels.GAIN * kernels.NOISE_LEFT * c.min_contrast
             kernels.threshold_blocks(pixels, c.n_sigma, least, b.threshold, b.background)
         n = kernels.find_blobs(pixels, c.min_area_px, c.max_area_px, b)
-        if n > _MOST_BLOBS * self._gel.n_markers and pixels is not self._smooth:
+        is_noisy = n > _MOST_BLOBS * self._gel.n_markers
+        if is_noisy and not is_weak:
             kernels.smooth(pixels, 1, kernels.MIDDLE_DN, self._smooth)
             kernels.threshold_blocks(
                 self._smooth, c.n_sigma, c.min_contrast, b.threshold, b.background
             )
             n = kernels.find_blobs(self._smooth, c.min_area_px, c.max_area_px, b)
+        if (is_noisy or self.is_fine) and not is_weak:
             kernels.centre_blobs(pixels, self._window_px, b.background, b.centroid_px[:n])
         begin = b.begin[: n + 1]
         return Blobs(b.centroid_px[:n], begin, b.members[: begin[n]])

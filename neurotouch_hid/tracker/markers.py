@@ -208,6 +208,11 @@ class MarkerTracker:
         return self._follows_frames
 
     @property
+    def has_events(self) -> bool:
+        """True once the camera has sent an event."""
+        return self._event_us is not None
+
+    @property
     def is_frameless(self) -> bool:
         """True while the markers are followed by events, and no frame has shown them for 0.5 s."""
         if not self._anchored or self._end_us is None or self.follows_frames:
@@ -257,6 +262,7 @@ class MarkerTracker:
         """Returns all markers at the end of a slice."""
         if len(packet.events):
             self._event_us = packet.t_end_us
+        self._finder.is_fine = not self.has_events
         is_alone = self._event_us is None or packet.t_end_us - self._event_us > _EVENTLESS_US
         if is_alone is not self._follows_frames:
             self._follows_frames = is_alone

@@ -167,6 +167,10 @@ class RestDetector:
         """
         self._watch.flicker_hz = hz
 
+    def note_camera(self, *, has_events: bool) -> None:
+        """Takes whether the camera sends events; without, dots at rest are found as finely."""
+        self._finder.is_fine = not has_events
+
     def note_haste(self, t_us: int) -> None:
         """Takes that the markers have just moved too fast for frames; ``gel`` then says so."""
         self._watch.haste_us = t_us

@@ -287,3 +287,15 @@ def test_contacts_are_shown_where_the_rig_has_moved_them():
     np.testing.assert_allclose(gesture.contacts_mm, place + np.array([4.0, 0.0]), atol=1.0)
     shown_px = RIG.to_px(gesture.contacts_mm + bump_mm)
     np.testing.assert_allclose(gesture.contacts_px, shown_px, atol=0.5)
+
+
+def test_still_dots_make_no_limit_that_a_touch_on_a_swaying_gel_exceeds():
+    """No fit explains a touch to the noise of dots that have kept still."""
+    player, rng = Player(noise_px=0.01), np.random.default_rng(6)
+    player.rest(200)
+    unexplained = rng.normal(0.0, 0.09, PAPER_GEL.points_mm.shape)
+    for size in np.linspace(0.1, 1.0, 10):
+        sway = size * np.array([0.15, 0.0])
+        touch = field(np.array([[3.0, -2.0]]), np.array([[0.7 * size, 0.0]]))
+        gesture = player.see(touch + sway + size * unexplained)
+    assert gesture.kind is GestureKind.PUSH

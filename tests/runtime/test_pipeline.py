@@ -148,6 +148,23 @@ def test_frames_alone_are_in_their_own_step_and_wait_for_no_thread(lines):
     assert np.mean(same) > 0.98
 
 
+@pytest.mark.parametrize("live", [True, False])
+def test_without_events_a_dot_is_seen_to_go_a_part_of_a_pixel(lines, live):
+    """The middle of the pixels above a threshold jumps; all dots at rest are found as finely."""
+    line = lines[not live]
+    slow = sequence("x", stroke(Finger((2.0, 3.0), (0.6, 0.0)), move_us=800_000), rest_us=600_000)
+    simulator, off_px = Simulator(slow, nuisances={"uvc": 125.0}, seed=8), []
+    start_px = simulator.truth(0).markers_px
+    for packet in simulator:
+        step = play_live(line, packet) if live else line.advance(packet)
+        way_px = simulator.truth(packet.t_end_us).markers_px - start_px
+        moves = (np.hypot(*way_px.T) > 0.5) & (packet.t_end_us > 600_000)
+        off_px.append((step.markers.position_px - step.markers.rest_px - way_px)[moves])
+    off_px = np.concatenate(off_px)
+    assert len(off_px) > 200
+    assert np.median(np.abs(off_px)) < 0.05
+
+
 def test_the_gel_says_that_the_light_flickers_as_long_as_it_does(lines):
     _, line = lines
     still = sequence("still", stroke(Finger((2.0, 3.0), (4.0, -2.0))), rest_us=2_200_000)

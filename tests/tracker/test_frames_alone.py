@@ -30,7 +30,7 @@ from neurotouch_hid.source.simulator import (
 )
 from neurotouch_hid.source.simulator.nuisances import read_nuisances
 from neurotouch_hid.tracker import MarkerTracker, TrackerConfig
-from neurotouch_hid.tracker.blobs import Blobs
+from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.kernels import frames_alone
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.markers import make_tracks
@@ -380,3 +380,15 @@ def test_dots_that_run_together_are_no_haste_and_end_it(n_hidden):
         unsure.append(tracker.is_unsure)
     assert any(unsure) == bool(n_hidden)
     assert not unsure[-1]
+
+
+def test_dots_are_found_finely_until_an_event_comes():
+    """With events, frames only correct, and the time for it is not spent."""
+    finder = BlobFinder()
+    tracker = MarkerTracker(finder=finder)
+    tracker.update(EventPacket(0, 10_000, np.empty(0, EVENT_DTYPE)))
+    assert finder.is_fine
+    event = np.array([(12_000, 5, 5, True)], EVENT_DTYPE)
+    tracker.update(EventPacket(10_000, 20_000, event))
+    tracker.update(EventPacket(20_000, 30_000, np.empty(0, EVENT_DTYPE)))
+    assert not finder.is_fine

@@ -59,17 +59,19 @@ class ElasticMethod:
         if rest_px is not self._rest_px:
             self._rest_px = rest_px
             fingers.place(rest_px, rig)
+        # The noise at rest can be much less than the errors of dots that have moved.
+        noise_mm = max(self._noise_mm, fingers.config.least_noise_mm)
         motion = fingers.update(
             moved_px,
             use,
-            self._noise_mm,
+            noise_mm,
             step_us=step_us,
             forming=decision.is_forming,
             falling=decision.is_falling,
         )
         rest_age_us = None if self._seen_rest_us is None else t_us - self._seen_rest_us
         self._seen_rest_us = None
-        decision.update(step_us, motion, self._noise_mm, rest_age_us)
+        decision.update(step_us, motion, noise_mm, rest_age_us)
         if not motion.n_fingers:
             self._measure_noise(step_us)
             if decision.kind is GestureKind.NONE and self._remembers:

@@ -230,8 +230,9 @@ def centre_blobs(
 ) -> None:
     """Moves centroids to the middle of their dots in a Gaussian window (SExtractor's XWIN).
 
-    Noise decides which pixels exceed a threshold, and whether a dot has joined specks beside it.
-    Such a window asks for no threshold, and pixels far from the dot hardly count.
+    Which pixels exceed a threshold jumps while a dot goes a part of a pixel, so the middle of those
+    that do is up to 0.2 px off. Noise decides it, too, and whether a dot has joined specks beside
+    it. Such a window asks for no threshold, and pixels far from the dot hardly count.
 
     Args:
         pixels: (h, w) uint8.
@@ -241,6 +242,7 @@ def centre_blobs(
     """
     h, w = pixels.shape
     falling = -0.5 / (sigma_px * sigma_px)
+    across = np.empty(2 * WINDOW_PX + 1)
     for i in range(len(centroid_px)):
         x, y = centroid_px[i, 0], centroid_px[i, 1]
         for _ in range(WINDOW_ROUNDS):
@@ -248,15 +250,20 @@ def centre_blobs(
             if not (WINDOW_PX <= x0 < w - WINDOW_PX and WINDOW_PX <= y0 < h - WINDOW_PX):
                 break
             level = background[y0 >> SHIFT, x0 >> SHIFT]
+            for k in range(len(across)):
+                across[k] = math.exp(falling * (x0 - WINDOW_PX + k - x) ** 2)
             mass, mx, my = 0.0, 0.0, 0.0
             for v in range(y0 - WINDOW_PX, y0 + WINDOW_PX + 1):
+                row_mass, row_x = 0.0, 0.0
+                for k in range(len(across)):
+                    u = x0 - WINDOW_PX + k
+                    weight = max(pixels[v, u] - level, 0.0) * across[k]
+                    row_mass += weight
+                    row_x += weight * (u - x)
                 row = math.exp(falling * (v - y) ** 2)
-                for u in range(x0 - WINDOW_PX, x0 + WINDOW_PX + 1):
-                    above = max(pixels[v, u] - level, 0.0)
-                    weight = above * row * math.exp(falling * (u - x) ** 2)
-                    mass += weight
-                    mx += weight * (u - x)
-                    my += weight * (v - y)
+                mass += row * row_mass
+                mx += row * row_x
+                my += row * row_mass * (v - y)
             if mass <= 0.0:
                 break
             x += WINDOW_GAIN * mx / mass

@@ -54,6 +54,25 @@ def test_blobs_are_the_connected_regions(seed):
         np.testing.assert_allclose(centroid, expected[frozenset(part.tolist())], atol=1e-6)
 
 
+def test_a_dot_that_goes_a_part_of_a_pixel_is_seen_to_go_as_far():
+    """Which pixels exceed a threshold jumps, and with it the middle of those that do."""
+    rng = np.random.default_rng(4)
+    y, x = np.mgrid[:260, :346]
+    start = PAPER_GEL.points_mm * 2.5 + (172.3, 130.4)
+    seen = []
+    for way_px in np.arange(0.0, 1.2, 0.15):
+        at = start + way_px * np.array([0.8, 0.6])
+        dots = sum(np.exp(-((x - u) ** 2 + (y - v) ** 2) / (2 * 0.9**2)) for u, v in at)
+        pixels = np.rint(30.0 + 120.0 * dots + rng.normal(0.0, 1.5, x.shape)).astype(np.uint8)
+        finder = BlobFinder()
+        finder.is_fine = True
+        found_px = finder.find(pixels).centroid_px
+        near = np.hypot(*(found_px[None] - at[:, None]).transpose(2, 0, 1)).argmin(axis=1)
+        seen.append(found_px[near] - at)
+    off_px = np.array(seen) - seen[0]
+    assert np.sqrt((off_px**2).mean()) < 0.03
+
+
 def test_pixels_of_blobs_in_a_circle():
     blobs = BlobFinder().find(draw_dots(np.random.default_rng(5)))
     out = np.empty(90_000, np.int32)
