@@ -33,7 +33,14 @@ SWAY_RAD = 0.01  # prior width of a turn of the whole gel under the camera
 SHEAR_SHARE = 0.25  # prior width of the shear of the whole gel, in largest motions ...
 SHEARED_MM = 1.0  # ... beyond this one: below it, the error of the closed form is less than noise
 LEAST_SHEAR_MM = 0.01  # hardly any
-N_WHOLE = 5  # unknowns of the whole gel: shift (x, y), turn, shear (x, y)
+BULGE = 0.08  # how far gel flows aside at the edge of a finger, a share of its press
+ASIDE_REACH_MM = 18.0  # gel of finite height flows aside most at this distance from a finger
+DOWNHILL_MM = 10.0  # how much more gel flows to the rim than to the middle ...
+DOWNHILL_REACH_MM = 7.0  # ... and from which distance on that fades
+ASIDE_SHARE = 0.1  # prior width of that flow, a share of the flow of the last fit ...
+FLOWING_MM = 0.2  # ... beyond this one: a usual press has less
+LEAST_ASIDE_MM = 0.002  # hardly any
+N_WHOLE = 6  # unknowns of the whole gel: shift (x, y), turn, shear (x, y), flow
 RADIUS_MM = 0.8  # prior width of the radius of a contact patch
 LEAST_RADIUS_MM, MOST_RADIUS_MM = 4.5, 9.0
 STEP_MM = 2.0  # longest step of a centre in one iteration
@@ -118,6 +125,15 @@ def _shear(x: float, y: float, rim_mm: float) -> float:
     return max(1.0 - (x * x + y * y) / (rim_mm * rim_mm), 0.0)
 
 
+@kernel(inline="always")
+def _measure_flow(fit: Any) -> float:
+    """Returns how far pressed gel flows aside, near the fingers and far away, mm."""
+    flow_mm: float = fit.aside_mm
+    for j in range(fit.count):
+        flow_mm += BULGE * fit.press[j]
+    return flow_mm
+
+
 @kernel(error_model="numpy", inline="always")
 def build_columns(
     points: Floats,
@@ -135,6 +151,9 @@ def build_columns(
     Markers under a finger move with it. Elsewhere every finger pulls with the load that gives it
     its motion against the pull of the others.
 
+    Gel that is pressed flows aside. On a half space it does so at the edge of a finger. Gel of
+    finite height has nowhere else to go, so it flows far away too; a finger holds what is under it.
+
     Args:
         points: (2, n) float64 mm, markers at rest.
         window: (n,) float64, ``rim_window`` at the markers.
@@ -143,9 +162,9 @@ def build_columns(
         motions: (k, 3) float64: drag x, drag y in mm, sine of the turn.
         rim_mm: where the gel is clamped.
         inverse: (3 k, 3 k) float64, of ``build_compliance``.
-        columns: (4 k + 5 or more, 2, n) float64, the first 4 k + 5 are written: motions, presses,
-            offset (x, y, turn) and shear (x, y) of the whole gel. Markers come last, so that a
-            processor takes several at once.
+        columns: (4 k + 6 or more, 2, n) float64, the first 4 k + 6 are written: motions, presses,
+            offset (x, y, turn), shear (x, y) and flow of the whole gel. Markers come last, so that
+            a processor takes several at once.
         bent: (2, n) float64 mm, written: the difference of a finite turn from the linear one.
     """
     k, n = len(centres), len(window)
@@ -161,6 +180,7 @@ def build_columns(
         free = _shear(x[i], y[i], rim_mm)
         columns[4 * k + 3, 0, i], columns[4 * k + 3, 1, i] = free, 0.0
         columns[4 * k + 4, 0, i], columns[4 * k + 4, 1, i] = 0.0, free
+        columns[4 * k + 5, 0, i] = columns[4 * k + 5, 1, i] = 0.0
     for j in range(k):
         cx, cy, a = centres[j, 0], centres[j, 1], radii[j]
         respond_along(x, y, window, cx, cy, a, rim_mm, answer)
@@ -188,6 +208,14 @@ def build_columns(
             flow = a * a / (2.0 * HEIGHT_MM * (a * a + r2))
             press[0, i] = depth / VIEW_MM * x[i] + flow * dx
             press[1, i] = depth / VIEW_MM * y[i] + flow * dy
+            out = (dx * cx + dy * cy) * ratio[i] / a
+            aside = 2.0 * ASIDE_REACH_MM * window[i] / (ASIDE_REACH_MM * ASIDE_REACH_MM + r2)
+            aside *= 1.0 + DOWNHILL_MM * out / (DOWNHILL_REACH_MM * DOWNHILL_REACH_MM + r2)
+            columns[4 * k + 5, 0, i] += aside * dx
+            columns[4 * k + 5, 1, i] += aside * dy
+    for i in range(n):
+        if owner[i] >= 0:
+            columns[4 * k + 5, 0, i] = columns[4 * k + 5, 1, i] = 0.0
     for b in range(3 * k):
         for axis in range(2):
             column = columns[b, axis]
@@ -317,8 +345,9 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
 
     Args:
         gel: record of ``FingerTracker.gel``.
-        fit: record of a fit, updated. Its cost is infinite if the fingers cannot be
-            separated; nothing else in it then has a meaning.
+        fit: record of a fit, updated; its presses and flow before say how far gel may flow aside.
+            Its cost is infinite if the fingers cannot be separated; nothing else in it then has a
+            meaning.
         fingers: record of the state; ``moved``, ``weight`` and ``noise_mm`` are read.
         rules: record of ``CONFIG``; ``radius_mm`` and ``model_error`` are read.
         trust: (k or more,) float64 1/mm², how surely earlier slices know the centres.
@@ -366,8 +395,10 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
             normal[4 * k + p, 4 * k + p] += variance / OFFSET_MM**2
         normal[4 * k + 2, 4 * k + 2] += variance / SWAY_RAD**2
         shear_mm = SHEAR_SHARE * max(math.sqrt(largest2) - SHEARED_MM, 0.0) + LEAST_SHEAR_MM
-        for p in range(3, N_WHOLE):
+        for p in range(3, 5):
             normal[4 * k + p, 4 * k + p] += variance / (shear_mm * shear_mm)
+        aside_mm = ASIDE_SHARE * max(_measure_flow(fit) - FLOWING_MM, 0.0) + LEAST_ASIDE_MM
+        normal[4 * k + 5, 4 * k + 5] += variance / (aside_mm * aside_mm)
         if not solve(normal, right):
             fit.cost = np.inf
             for i in range(n):
@@ -380,6 +411,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
             fit.press[j] = right[3 * k + j, 0]
         fit.offset_x_mm, fit.offset_y_mm = right[4 * k, 0], right[4 * k + 1, 0]
         fit.offset_rad = right[4 * k + 2, 0]
+        fit.aside_mm = right[4 * k + 5, 0]
         shear_x_mm, shear_y_mm = right[4 * k + 3, 0], right[4 * k + 4, 0]
         if is_last:
             break
