@@ -35,8 +35,8 @@ SHEARED_MM = 1.0  # ... beyond this one: below it, the error of the closed form 
 LEAST_SHEAR_MM = 0.01  # hardly any
 BULGE = 0.08  # how far gel flows aside at the edge of a finger, a share of its press
 ASIDE_REACH_MM = 18.0  # gel of finite height flows aside most at this distance from a finger
-DOWNHILL_MM = 10.0  # how much more gel flows to the rim than to the middle ...
-DOWNHILL_REACH_MM = 7.0  # ... and from which distance on that fades
+DOWNHILL_MM = 10.0  # a finger on the slope of the dome pushes gel down it, to the rim ...
+DOWNHILL_REACH_MM = 7.0  # ... less from this distance on
 ASIDE_SHARE = 0.1  # prior width of that flow, a share of the flow of the last fit ...
 FLOWING_MM = 0.2  # ... beyond this one: a usual press has less
 LEAST_ASIDE_MM = 0.002  # hardly any
@@ -151,8 +151,9 @@ def build_columns(
     Markers under a finger move with it. Elsewhere every finger pulls with the load that gives it
     its motion against the pull of the others.
 
-    Gel that is pressed flows aside. On a half space it does so at the edge of a finger. Gel of
-    finite height has nowhere else to go, so it flows far away too; a finger holds what is under it.
+    Gel that is pressed flows aside: at the edge of a finger on a half space, and far from it where
+    the gel has a height. On the slope of a dome more flows down than up. Fingers hold what is under
+    them. They share one flow: those that press unequally gain nothing by one each [notebook].
 
     Args:
         points: (2, n) float64 mm, markers at rest.
