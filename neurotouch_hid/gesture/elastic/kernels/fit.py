@@ -38,7 +38,7 @@ ASIDE_REACH_MM = 18.0  # gel of finite height flows aside most at this distance 
 DOWNHILL_MM = 10.0  # a finger on the slope of the dome pushes gel down it, to the rim ...
 DOWNHILL_REACH_MM = 7.0  # ... less from this distance on
 ASIDE_SHARE = 0.1  # prior width of that flow, a share of the flow of the last fit ...
-FLOWING_MM = 0.2  # ... beyond this one: a usual press has less
+FLOWING_NOISE = 3.3  # ... beyond this one, in errors of a marker: a usual press has less
 N_WHOLE = 5  # unknowns of the whole gel: shift (x, y), turn, shear (x, y); a flow comes last
 RADIUS_MM = 0.8  # prior width of the radius of a contact patch
 LEAST_RADIUS_MM, MOST_RADIUS_MM = 4.5, 9.0
@@ -388,7 +388,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
     target = np.empty((2, n))
     for step in range(n_steps + 1):
         is_last = step == n_steps
-        aside_mm = ASIDE_SHARE * (_measure_flow(fit) - FLOWING_MM)
+        aside_mm = ASIDE_SHARE * (_measure_flow(fit) - FLOWING_NOISE * noise_mm)
         whole = N_WHOLE + 1 if aside_mm > 0.0 else N_WHOLE
         m = 4 * k + whole if is_last else 7 * k + whole
         inverse = build_compliance(centres, radii, rim_mm)
