@@ -14,6 +14,7 @@ from neurotouch_hid.gesture.elastic.kernels.fit import (
     N_WHOLE,
     accumulate,
     build_columns,
+    build_flow,
     build_slopes,
     invert,
     refine,
@@ -112,6 +113,15 @@ def test_columns_equal_their_twin(k):
     r2 = (PAPER_GEL.points_mm**2).sum(axis=1)
     np.testing.assert_allclose(columns[:, 1, -1], np.maximum(1.0 - r2 / 31.0**2, 0.0))
     np.testing.assert_array_equal(columns[:, 0, -1], 0.0)
+
+
+@pytest.mark.parametrize("k", [1, 2, 3])
+def test_the_flow_equals_its_twin(k):
+    centres, radii, _ = make_fingers(k, k)
+    column = np.empty((2, 177))
+    build_flow(POINTS, WINDOW, centres, radii, column)
+    expected = reference.flow(PAPER_GEL.points_mm, centres, radii)
+    np.testing.assert_allclose(column.T, expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("k", [1, 2, 3])

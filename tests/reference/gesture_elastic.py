@@ -6,7 +6,7 @@ import math
 import numpy as np
 
 NU, RIM = 0.49, 31.0
-HEIGHT, VIEW, NEAR, STEP = 20.0, 100.0, 9.0, 0.8
+HEIGHT, REACH, VIEW, NEAR, STEP = 20.0, 18.0, 100.0, 9.0, 0.8
 
 
 def window(x, y):
@@ -82,6 +82,19 @@ def presses(points, centres, radii):
             row.append([depth / VIEW * x + flow * (x - cx), depth / VIEW * y + flow * (y - cy)])
         rows.append(np.transpose(row))
     return np.array(rows)
+
+
+def flow(points, centres, radii):
+    """(n, 2): how gel that all fingers press flows aside far from them; they hold it under them."""
+    out = np.zeros((len(points), 2))
+    for i, p in enumerate(points):
+        away = [math.dist(p, c) for c in centres]
+        if all(r > a for r, a in zip(away, radii, strict=True)):
+            for c, r in zip(centres, away, strict=True):
+                way = (p - c) / r
+                more = 1 + 10 * way @ c / (7**2 + r * r)
+                out[i] += 2 * REACH * r / (REACH**2 + r * r) * more * window(*p) * way
+    return out
 
 
 def slopes(points, centres, radii, motions):

@@ -106,6 +106,7 @@ def _lay_out_fit(n: int) -> np.dtype[np.void]:
     - ``whole``: the same with that shear, so how far the fingers go.
     - ``press``: mm.
     - ``offset_x_mm``, ``offset_y_mm``, ``offset_rad``: motion of the whole gel.
+    - ``aside_mm``: how far pressed gel flows aside where it flows farthest, of one finger.
     - ``residual``: the part of each marker's motion that is not explained, mm.
     - ``cost``: its weighted sum of squares, mm²; infinite where no fit was possible.
     - ``largest_mm``: the largest motion of a finger.
@@ -126,6 +127,7 @@ def _lay_out_fit(n: int) -> np.dtype[np.void]:
             ("offset_x_mm", "f8"),
             ("offset_y_mm", "f8"),
             ("offset_rad", "f8"),
+            ("aside_mm", "f8"),
             ("residual", "f8", (n, 2)),
             ("cost", "f8"),
             ("largest_mm", "f8"),

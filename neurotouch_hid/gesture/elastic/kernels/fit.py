@@ -33,7 +33,13 @@ SWAY_RAD = 0.01  # prior width of a turn of the whole gel under the camera
 SHEAR_SHARE = 0.25  # prior width of the shear of the whole gel, in largest motions ...
 SHEARED_MM = 1.0  # ... beyond this one: below it, the error of the closed form is less than noise
 LEAST_SHEAR_MM = 0.01  # hardly any
-N_WHOLE = 5  # unknowns of the whole gel: shift (x, y), turn, shear (x, y)
+BULGE = 0.08  # how far gel flows aside at the edge of a finger, a share of its press
+ASIDE_REACH_MM = 18.0  # gel of finite height flows aside most at this distance from a finger
+DOWNHILL_MM = 10.0  # a finger on the slope of the dome pushes gel down it, to the rim ...
+DOWNHILL_REACH_MM = 7.0  # ... less from this distance on
+ASIDE_SHARE = 0.1  # prior width of that flow, a share of the flow of the last fit ...
+FLOWING_NOISE = 3.3  # ... beyond this one, in errors of a marker: a usual press has less
+N_WHOLE = 5  # unknowns of the whole gel: shift (x, y), turn, shear (x, y); a flow comes last
 RADIUS_MM = 0.8  # prior width of the radius of a contact patch
 LEAST_RADIUS_MM, MOST_RADIUS_MM = 4.5, 9.0
 STEP_MM = 2.0  # longest step of a centre in one iteration
@@ -116,6 +122,15 @@ def _shear(x: float, y: float, rim_mm: float) -> float:
     space, knows no height.
     """
     return max(1.0 - (x * x + y * y) / (rim_mm * rim_mm), 0.0)
+
+
+@kernel(inline="always")
+def _measure_flow(fit: Any) -> float:
+    """Returns how far pressed gel flows aside, near the fingers and far away, mm."""
+    flow_mm: float = fit.aside_mm
+    for j in range(fit.count):
+        flow_mm += BULGE * fit.press[j]
+    return flow_mm
 
 
 @kernel(error_model="numpy", inline="always")
@@ -201,6 +216,43 @@ def build_columns(
             for i in range(n):
                 if owner[i] >= 0:
                     column[i] = own[i] if owner[i] == b // 3 else 0.0
+
+
+@kernel(error_model="numpy", inline="always")
+def build_flow(
+    points: Floats, window: Floats, centres: Floats, radii: Floats, column: Floats
+) -> None:
+    """Writes how each marker moves where gel that is pressed flows aside by 1 mm.
+
+    On a half space it does so at the edge of a finger only. Gel that has a height flows far from
+    the fingers too, and on the slope of a dome more goes down than up. Fingers hold what is under
+    them. All share one flow: those that press unequally gain nothing by one each [notebook].
+
+    Args:
+        points: (2, n) float64 mm, markers at rest.
+        window: (n,) float64, ``rim_window`` at the markers.
+        centres: (k, 2) float64 mm.
+        radii: (k,) float64 mm.
+        column: (2, n) float64, written.
+    """
+    n = len(window)
+    for i in range(n):
+        column[0, i] = column[1, i] = 0.0
+    for j in range(len(centres)):
+        cx, cy = centres[j, 0], centres[j, 1]
+        for i in range(n):
+            dx, dy = points[0, i] - cx, points[1, i] - cy
+            r2 = dx * dx + dy * dy
+            out = (dx * cx + dy * cy) / math.sqrt(r2)
+            aside = 2.0 * ASIDE_REACH_MM * window[i] / (ASIDE_REACH_MM * ASIDE_REACH_MM + r2)
+            aside *= 1.0 + DOWNHILL_MM * out / (DOWNHILL_REACH_MM * DOWNHILL_REACH_MM + r2)
+            column[0, i] += aside * dx
+            column[1, i] += aside * dy
+    for j in range(len(centres)):
+        for i in range(n):
+            dx, dy = points[0, i] - centres[j, 0], points[1, i] - centres[j, 1]
+            if dx * dx + dy * dy <= radii[j] * radii[j]:
+                column[0, i] = column[1, i] = 0.0
 
 
 @kernel(inline="always")
@@ -317,8 +369,9 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
 
     Args:
         gel: record of ``FingerTracker.gel``.
-        fit: record of a fit, updated. Its cost is infinite if the fingers cannot be
-            separated; nothing else in it then has a meaning.
+        fit: record of a fit, updated; its presses and flow before say how far gel may flow aside.
+            Its cost is infinite if the fingers cannot be separated; nothing else in it then has a
+            meaning.
         fingers: record of the state; ``moved``, ``weight`` and ``noise_mm`` are read.
         rules: record of ``CONFIG``; ``radius_mm`` and ``model_error`` are read.
         trust: (k or more,) float64 1/mm², how surely earlier slices know the centres.
@@ -331,16 +384,20 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
     known = np.empty((k, 2))
     for j in range(k):
         known[j, 0], known[j, 1] = centres[j, 0], centres[j, 1]
-    columns, bent = np.empty((7 * k + N_WHOLE, 2, n)), np.empty((2, n))
+    columns, bent = np.empty((7 * k + N_WHOLE + 1, 2, n)), np.empty((2, n))
     target = np.empty((2, n))
     for step in range(n_steps + 1):
         is_last = step == n_steps
-        m = 4 * k + N_WHOLE if is_last else 7 * k + N_WHOLE
+        aside_mm = ASIDE_SHARE * (_measure_flow(fit) - FLOWING_NOISE * noise_mm)
+        whole = N_WHOLE + 1 if aside_mm > 0.0 else N_WHOLE
+        m = 4 * k + whole if is_last else 7 * k + whole
         inverse = build_compliance(centres, radii, rim_mm)
         invert(inverse)
         build_columns(gel.points, window, centres, radii, motions, rim_mm, inverse, columns, bent)
+        if whole > N_WHOLE:
+            build_flow(gel.points, window, centres, radii, columns[4 * k + N_WHOLE])
         if not is_last:
-            slopes = columns[4 * k + N_WHOLE :]
+            slopes = columns[4 * k + whole :]
             build_slopes(gel.points, window, centres, radii, motions, rim_mm, inverse, slopes)
         for i in range(n):
             target[0, i], target[1, i] = moved[i, 0] - bent[0, i], moved[i, 1] - bent[1, i]
@@ -356,7 +413,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
             normal[3 * j + 2, 3 * j + 2] += variance / TURN_RAD**2
             normal[3 * k + j, 3 * k + j] += variance / PRESS_MM**2
             if not is_last:
-                at = 4 * k + N_WHOLE + 3 * j
+                at = 4 * k + whole + 3 * j
                 for p in range(2):
                     normal[at + p, at + p] += variance * (trust[j] + 1.0 / STEP_MM**2)
                     right[at + p, 0] += variance * trust[j] * (known[j, p] - centres[j, p])
@@ -368,6 +425,8 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
         shear_mm = SHEAR_SHARE * max(math.sqrt(largest2) - SHEARED_MM, 0.0) + LEAST_SHEAR_MM
         for p in range(3, N_WHOLE):
             normal[4 * k + p, 4 * k + p] += variance / (shear_mm * shear_mm)
+        if whole > N_WHOLE:
+            normal[4 * k + N_WHOLE, 4 * k + N_WHOLE] += variance / (aside_mm * aside_mm)
         if not solve(normal, right):
             fit.cost = np.inf
             for i in range(n):
@@ -380,11 +439,12 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
             fit.press[j] = right[3 * k + j, 0]
         fit.offset_x_mm, fit.offset_y_mm = right[4 * k, 0], right[4 * k + 1, 0]
         fit.offset_rad = right[4 * k + 2, 0]
+        fit.aside_mm = right[4 * k + N_WHOLE, 0] if whole > N_WHOLE else 0.0
         shear_x_mm, shear_y_mm = right[4 * k + 3, 0], right[4 * k + 4, 0]
         if is_last:
             break
         for j in range(k):
-            at = 4 * k + N_WHOLE + 3 * j
+            at = 4 * k + whole + 3 * j
             for p in range(2):
                 centres[j, p] += min(max(right[at + p, 0], -STEP_MM), STEP_MM)
             far = math.hypot(centres[j, 0], centres[j, 1])
@@ -394,7 +454,7 @@ def refine(gel: Any, fit: Any, fingers: Any, rules: Any, trust: Floats, n_steps:
             keep_inside(gel, centres[j])
             radius = radii[j] + min(max(right[at + 2, 0], -1.0), 1.0)
             radii[j] = min(max(radius, LEAST_RADIUS_MM), MOST_RADIUS_MM)
-    for a in range(4 * k + N_WHOLE):
+    for a in range(m):
         for axis in range(2):
             for i in range(n):
                 target[axis, i] -= columns[a, axis, i] * right[a, 0]

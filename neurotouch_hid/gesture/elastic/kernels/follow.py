@@ -345,6 +345,7 @@ def _add(fit: Any, fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any, s
     fit.centres[j, 0], fit.centres[j, 1] = gel.sites[site, 0], gel.sites[site, 1]
     fit.radii[j] = rules.radius_mm
     fit.motions[j, DRAG_X] = fit.motions[j, DRAG_Y] = fit.motions[j, TURN] = 0.0
+    fit.press[j] = 0.0
     fit.count += 1
     _fit(fit, fits, fingers, gel, rules, STEPS_NONE)
     _fit(fit, fits, fingers, gel, rules, STEPS_MORE)
@@ -378,7 +379,7 @@ def _reduce(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> None:
     less = fits[TRIED]
     less.count -= 1
     for j in range(fingers.n_checks // 2 % fit.count, less.count):
-        less.radii[j] = fit.radii[j + 1]
+        less.radii[j], less.press[j] = fit.radii[j + 1], fit.press[j + 1]
         for p in range(2):
             less.centres[j, p] = fit.centres[j + 1, p]
         for p in range(3):
@@ -395,7 +396,7 @@ def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
     The best fit is in ``BEST`` afterwards. A marker that makes a finger alone loses its trust.
     """
     fit = fits[COLD]
-    fit.count = 0
+    fit.count, fit.aside_mm = 0, 0.0
     moved = fingers.moved
     x, y = find_common(moved, fingers.weight)
     part = measure_sway(moved, fingers.weight, x, y) / max(math.hypot(x, y), 1e-9)
