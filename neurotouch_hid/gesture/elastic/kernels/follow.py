@@ -396,7 +396,7 @@ def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
     The best fit is in ``BEST`` afterwards. A marker that makes a finger alone loses its trust.
     """
     fit = fits[COLD]
-    fit.count, fit.aside_mm = 0, 0.0
+    fit.count = 0
     moved = fingers.moved
     x, y = find_common(moved, fingers.weight)
     part = measure_sway(moved, fingers.weight, x, y) / max(math.hypot(x, y), 1e-9)
@@ -404,6 +404,7 @@ def _search(fits: NDArray[np.void], fingers: Any, gel: Any, rules: Any) -> bool:
     before, least = np.empty((len(moved), 2)), 0.0
     while fit.count < rules.most:
         if fit.count == 0:
+            fit.aside_mm = 0.0
             for i in range(len(moved)):
                 fit.residual[i, 0], fit.residual[i, 1] = moved[i, 0] - x, moved[i, 1] - y
             least = rules.noise_gain * fingers.noise_mm**2
