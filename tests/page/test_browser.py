@@ -13,7 +13,7 @@ import pytest
 from neurotouch_hid.partial_file import write_whole
 from tests.page.conftest import PROFILE
 from tests.page.processes import LIMIT_S, Driver, Process, View
-from tests.page.waiting import fly_on, wait_on
+from tests.page.waiting import wait_on
 
 
 def wait_for_say(page, words: str) -> str:
@@ -410,10 +410,10 @@ def test_the_ship_rolls_as_the_gel_is_twisted(open_page, driver, view, folder):
 def test_the_attract_mode_flies_and_lands_with_figures(open_page, view):
     page = open_page(view.page("game"), viewport={"width": 480, "height": 480}, clock=True)
     page.click("#watch")
-    fly_on(page, 8)
+    page.clock.run_for(8_000)
     assert "Scripted hand: " in page.inner_text("#hand")
     assert int(page.inner_text("#rings").split()[0]) >= 1
-    fly_on(page, 50)
+    page.clock.run_for(50_000)
     assert page.inner_text("#result-words").startswith("12 of 12 rings")
     page.wait_for_function("() => /bit\\/s/.test(document.getElementById('figures').textContent)")
     assert "measure it" in page.inner_text("#result")
