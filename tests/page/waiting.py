@@ -24,9 +24,3 @@ def wait_for(page, element: str, words: str) -> None:
         )
     except TooLate:
         raise AssertionError(f"#{element} says: {page.text_content(f'#{element}')}") from None
-
-
-def fly_on(page, seconds: int) -> None:
-    """Lets the game's clock go on by the longest steps that the game takes as they are."""
-    for _ in range(20 * seconds):
-        page.clock.fast_forward(50)
