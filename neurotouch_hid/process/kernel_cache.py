@@ -79,8 +79,12 @@ def load(function: Callable[..., Any], *args: Any) -> None:
         function: a kernel.
         args: arguments of the types that its calls will have; it is not called.
     """
-    if isinstance(function, Kernel):
-        function.find(*args)
+    if not isinstance(function, Kernel):
+        return
+    if function.find(*args) is vars(function).get("dispatcher"):  # numba compiles in the first call
+        from neurotouch_hid.process.kernel_compiler import compile_for  # noqa: PLC0415
+
+        compile_for(function.dispatcher, args)
 
 
 class Kernel:

@@ -5,7 +5,7 @@ back shows where they belong.
 """
 
 import math
-from typing import Any
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,7 +49,9 @@ class QuietReturn:
         self._begin()
         load(correction.recall, 0, tracks, self._now_px)
         load(select, self._spread_px, 0)
-        load(neighbours.expect, *self._list_for_expect())
+        places = tracks.rest_px, tracks.neighbours, self._expected_px, self._spread_px
+        load(neighbours.expect, self._now_px, self._all, *places)
+        self._expect = partial(neighbours.expect, self._now_px, self._all, *places)
 
     def _begin(self) -> None:
         self._most_px = math.inf  # nobody knows what the hand did while there were frames
@@ -99,18 +101,13 @@ class QuietReturn:
         if math.hypot(*common_px) > RIG_PX:
             return
         tracks = self._tracks
-        neighbours.expect(*self._list_for_expect())
+        self._expect()
         with_px = np.where(np.isfinite(self._expected_px), self._expected_px - tracks.rest_px, 0.0)
         own_px = off_px - with_px
         is_alone = np.hypot(*own_px.T) > ALONE_PX + np.hypot(*with_px.T)
         together, alone = (-math.expm1(-1e-6 * us / s) for s in (PULL_S, ALONE_S))
         own_px *= np.where(is_alone, alone, together)[:, None]
         shift(tracks, self._everyone, -together * with_px - own_px)
-
-    def _list_for_expect(self) -> tuple[NDArray[Any], ...]:
-        tracks = self._tracks
-        places = (tracks.rest_px, tracks.neighbours, self._expected_px, self._spread_px)
-        return (self._now_px, self._all, *places)
 
 
 def _measure(moved_px: NDArray[np.float64]) -> float:

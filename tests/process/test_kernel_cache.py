@@ -16,7 +16,8 @@ import pytest
 
 import neurotouch_hid
 from neurotouch_hid.messages import EVENT_DTYPE
-from neurotouch_hid.process.kernel_cache import Kernel, bind
+from neurotouch_hid.process import kernel_cache
+from neurotouch_hid.process.kernel_cache import Kernel, bind, load
 from neurotouch_hid.process.kernel_files import _find_folder
 from neurotouch_hid.process.own_command import make_own_command
 from neurotouch_hid.process.processor import find_levels, read_abilities
@@ -504,3 +505,12 @@ def test_a_kernel_whose_first_arguments_are_given_takes_the_others_of_any_type()
     n_before = add_events.n_variants
     bound(across)
     assert add_events.n_variants == n_before
+
+
+def test_what_is_loaded_before_its_first_call_is_compiled_by_numba_too(monkeypatch):
+    """On a processor that nobody knows numba keeps the code, and usually waits for a call."""
+    monkeypatch.setattr(kernel_cache, "_list_levels", list)
+    monkeypatch.setattr(kernel_cache, "_describe_machine", lambda: None)
+    left_to_numba = Kernel(add_events.py_func, {})
+    load(left_to_numba, np.zeros(1, EVENT_DTYPE), np.zeros((260, 346), np.float32))
+    assert left_to_numba.dispatcher.signatures

@@ -73,7 +73,8 @@ const page = openPage(HZ, {
     [runs, starting] = [true, ""];
     profiles.setPlayed(state.profile);
     cards.mark(state.gesture.movement);
-    if (state.state !== "running") listener.hear(state.gesture); // before the pause it plays
+    // A movement before the driver has paused still moves the gamepad, and chooses nothing.
+    if (state.state !== "running") listener.hear(state.gesture);
     trial.hear(state, performance.now());
     if (first || state.slow !== shownSlow) showStart();
     if (!layer && state.layer) showLayer();
