@@ -5,8 +5,8 @@ import pytest
 
 from neurotouch_hid.geometry import Rig, make_gel, place_square
 from neurotouch_hid.gesture.elastic.fingers import FingerTracker
+from neurotouch_hid.gesture.elastic.kernels.arrays import NOW
 from neurotouch_hid.gesture.elastic.kernels.fit import RIM_WIDTH_MM
-from neurotouch_hid.gesture.elastic.kernels.follow import NOW
 from neurotouch_hid.source.simulator import GelConfig, SimulatorConfig, push, sequence
 from neurotouch_hid.source.simulator.gel import ELASTICITIES, GelMotion
 from neurotouch_hid.source.simulator.optics import CameraModel
@@ -46,4 +46,4 @@ def test_fingers_are_found_as_a_smaller_gel_follows_them(monkeypatch):
         motion = fingers.update(moved, np.ones(len(moved), np.bool_), 0.05, forming=True)
     assert motion.n_fingers == 2
     assert motion.error_mm < 0.02  # with the rim of the gel of the paper: 0.06
-    assert np.hypot(*fingers.fits[NOW]["centres"][:2].T).max() <= SMALL.rim_mm - RIM_WIDTH_MM
+    assert np.hypot(*fingers.arrays.fits[NOW]["centres"][:2].T).max() <= SMALL.rim_mm - RIM_WIDTH_MM

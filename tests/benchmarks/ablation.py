@@ -39,7 +39,7 @@ VARIANTS = {
         ("elastic/fingers.py", "keep: float = 0.6", "keep: float = -1e9"),
     ),
     "no second look while forming": (
-        ("elastic/kernels/follow.py", "is_warm or (is_due and forming", "is_warm or (False"),
+        ("elastic/kernels/search.py", "is_warm or (is_due and forming", "is_warm or (False"),
     ),
     "push compared one to one": (
         ("elastic/kernels/motion.py", "COMMON_GAIN = 1.6", "COMMON_GAIN = 1.0"),
@@ -55,7 +55,7 @@ VARIANTS = {
         ("elastic/kind_decider.py", "least_off_mm: float = 0.18", "least_off_mm: float = 0.28"),
     ),
     "fingers join those that let go": (
-        ("elastic/kernels/follow.py", "if not falling:", "if True:"),
+        ("elastic/kernels/search.py", "if not falling:", "if True:"),
     ),
     "gel that was let go is still": (
         ("elastic/kind_decider.py", "swing: float = 0.1", "swing: float = 0.0"),

@@ -1,13 +1,13 @@
 """The field of sticking fingers against its plain twin and against elasticity."""
 
-from typing import NamedTuple
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import PAPER_GEL
+from neurotouch_hid.gesture.elastic.fingers import FingerTracker
+from neurotouch_hid.gesture.elastic.kernels.arrays import make_arrays
 from neurotouch_hid.gesture.elastic.kernels.field import (
     bound_gain,
     build_compliance,
@@ -22,13 +22,7 @@ from tests.reference import gesture_elastic as reference
 
 PLACE = st.floats(-26, 26)
 RIM_MM = PAPER_GEL.rim_mm
-
-
-class Gel(NamedTuple):
-    atoms: np.ndarray
-    inverse: np.ndarray
-    sites: np.ndarray
-    n_coarse: int
+RULES = FingerTracker().arrays.rules
 
 
 def respond_everywhere(points, sites, regular=0.0):
@@ -36,7 +30,10 @@ def respond_everywhere(points, sites, regular=0.0):
     fill_responses(points, sites, 6.5, RIM_MM, atoms)
     rows = atoms.reshape(-1, len(sites), 3)
     gram = np.einsum("nsa,nsb->sab", rows, rows) + regular * np.eye(3)
-    return Gel(atoms.astype(np.float32), np.linalg.inv(gram), sites.copy(), len(sites))
+    arrays = make_arrays(len(points), sites.copy(), RULES)
+    arrays.atoms[:], arrays.inverse[:] = atoms, np.linalg.inv(gram)
+    arrays.gel["n_coarse"] = len(sites)
+    return arrays
 
 
 @given(PLACE, PLACE, PLACE, PLACE, st.floats(4.5, 9))
@@ -86,10 +83,10 @@ def test_gains_equal_their_twin(seed):
     rng = np.random.default_rng(seed)
     points, sites = PAPER_GEL.points_mm[::5], PAPER_GEL.points_mm[60:110:9]
     residual, weight = rng.normal(0, 1, points.shape), rng.random(len(points))
-    gel = respond_everywhere(points, sites)
+    arrays = respond_everywhere(points, sites)
     gains = np.empty(len(sites))
-    measure_gains(gel.atoms, gel.inverse, residual, weight, 0, gains[:2])
-    measure_gains(gel.atoms, gel.inverse, residual, weight, 2, gains)
+    measure_gains(arrays.atoms, arrays.inverse, residual, weight, 0, gains[:2])
+    measure_gains(arrays.atoms, arrays.inverse, residual, weight, 2, gains)
     expected = reference.gains(points, sites, 6.5, residual, weight)
     np.testing.assert_allclose(gains, expected, rtol=1e-5, atol=1e-6 * max(expected))
 
@@ -100,21 +97,21 @@ def test_no_gain_exceeds_the_bound(seed, size):
     rng = np.random.default_rng(seed)
     points, sites = PAPER_GEL.points_mm, PAPER_GEL.points_mm[::3].copy()
     site = rng.integers(len(sites))
-    gel = respond_everywhere(points, sites)
-    finger = (gel.atoms[:, 3 * site : 3 * site + 3] @ rng.normal(0, size, 3)).reshape(-1, 2)
+    arrays = respond_everywhere(points, sites)
+    finger = (arrays.atoms[:, 3 * site : 3 * site + 3] @ rng.normal(0, size, 3)).reshape(-1, 2)
     residual, weight = finger + rng.normal(0, 0.05, points.shape), rng.random(len(points))
     bound = bound_gain(residual, weight)
     assert bound == pytest.approx((weight**2 @ residual**2).sum())
     assert bound <= weight @ (residual**2).sum(axis=1)
-    gain = find_site(gel, residual, weight, np.zeros((0, 2)), 5.0, 0.0)[1]
+    gain = find_site(arrays, residual, weight, np.zeros((0, 2)), 5.0, 0.0)[1]
     assert 0.0 < gain <= 1.0005 * bound
 
 
 def test_the_gain_of_a_finger_is_largest_where_it_is():
-    gel = respond_everywhere(PAPER_GEL.points_mm, PAPER_GEL.points_mm, 1e-6)
+    arrays = respond_everywhere(PAPER_GEL.points_mm, PAPER_GEL.points_mm, 1e-6)
     for site in (88, 40, 120):
-        field = (gel.atoms[:, 3 * site : 3 * site + 3] @ (1.0, -2.0, 0.1)).reshape(-1, 2)
-        best, gain = find_site(gel, field, np.ones(len(field)), np.zeros((0, 2)), 5.0, 0.0)
+        field = (arrays.atoms[:, 3 * site : 3 * site + 3] @ (1.0, -2.0, 0.1)).reshape(-1, 2)
+        best, gain = find_site(arrays, field, np.ones(len(field)), np.zeros((0, 2)), 5.0, 0.0)
         assert best == site
         assert gain == pytest.approx((field**2).sum(), rel=1e-3)
 
@@ -126,8 +123,8 @@ def test_no_site_is_found_near_a_known_finger(seed, k):
     points, sites = PAPER_GEL.points_mm[::5], PAPER_GEL.points_mm[::2].copy()
     residual, weight = rng.normal(0, 1, points.shape), rng.random(len(points))
     centres = rng.uniform(-20, 20, (k, 2))
-    gel = respond_everywhere(points, sites)
-    site, gain = find_site(gel, residual, weight, centres, 9.0, 0.0)
+    arrays = respond_everywhere(points, sites)
+    site, gain = find_site(arrays, residual, weight, centres, 9.0, 0.0)
     gains = reference.gains(points, sites, 6.5, residual, weight)
     free = np.hypot(*(sites[:, None] - centres).transpose(2, 0, 1)).min(axis=1) >= 9.0
     assert free[site]
@@ -136,6 +133,6 @@ def test_no_site_is_found_near_a_known_finger(seed, k):
 
 
 def test_there_is_no_site_where_fingers_are_everywhere():
-    gel = respond_everywhere(PAPER_GEL.points_mm, PAPER_GEL.points_mm[:4])
+    arrays = respond_everywhere(PAPER_GEL.points_mm, PAPER_GEL.points_mm[:4])
     field, weight = np.ones(PAPER_GEL.points_mm.shape), np.ones(len(PAPER_GEL.points_mm))
-    assert find_site(gel, field, weight, gel.sites, 5.0, 0.0)[1] == 0.0
+    assert find_site(arrays, field, weight, arrays.sites, 5.0, 0.0)[1] == 0.0

@@ -5,9 +5,9 @@ import pytest
 
 from neurotouch_hid.geometry import PAPER_GEL, Rig, make_gel, place_grid
 from neurotouch_hid.gesture.elastic.fingers import FingerConfig, FingerTracker
+from neurotouch_hid.gesture.elastic.kernels.arrays import NOW
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, find_site
 from neurotouch_hid.gesture.elastic.kernels.fit import RIM_WIDTH_MM
-from neurotouch_hid.gesture.elastic.kernels.follow import NOW
 from tests.gesture.elastic import field
 
 SEES_ALL = np.ones(len(PAPER_GEL.points_mm), np.bool_)
@@ -26,7 +26,7 @@ def follow(fingers, sizes_mm):
 
 
 def found(fingers):
-    fit = fingers.fits[NOW]
+    fit = fingers.arrays.fits[NOW]
     order = np.argsort(fit["centres"][: fit["count"], 0])
     return fit["centres"][order], fit["motions"][order, 0]
 
@@ -98,7 +98,7 @@ def test_overlapping_fingers_are_searched_for_again():
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)
     follow(fingers, [1.0, 2.0])
-    fit = fingers.fits[NOW]
+    fit = fingers.arrays.fits[NOW]
     fit["centres"][:] = fit["centres"][0]  # one place: nothing tells their motions apart
     fit["radii"][:] = fit["radii"][0]
     follow(fingers, [3.0, 4.0])
@@ -111,7 +111,7 @@ def test_a_finger_in_the_wrong_place_is_searched_for_again():
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)
     follow(fingers, [1.0, 2.0])
-    fingers.fits[NOW]["centres"][:2] = [[0.0, -24.0], [0.0, 24.0]]
+    fingers.arrays.fits[NOW]["centres"][:2] = [[0.0, -24.0], [0.0, 24.0]]
     follow(fingers, [3.0, 4.0])
     np.testing.assert_allclose(found(fingers)[1], [4.0, -4.0], atol=0.5)
 
@@ -124,10 +124,11 @@ def test_fingers_whose_markers_have_lost_their_trust_are_searched_for_again():
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)
     fingers.update(field(hand, 0.4 * inward), SEES_ALL, 0.05, forming=True)
-    fit, moved = fingers.fits[NOW], field(hand, 3.0 * inward)
+    fit, moved = fingers.arrays.fits[NOW], field(hand, 3.0 * inward)
     fit["count"] = 3
     fit["centres"], fit["motions"] = [[0.0, -24.0], [-22.0, -9.0], [6.0, 6.0]], [0.3, 0.2, 0.0]
-    fit["radii"], fit["trust"], fit["largest_mm"], fit["residual"] = 6.5, 3.0, 0.5, moved
+    fit["radii"], fit["trust"], fit["largest_mm"] = 6.5, 3.0, 0.5
+    fingers.arrays.residual[NOW] = moved
     for _ in range(4):
         motion = fingers.update(moved, SEES_ALL, 0.05, forming=False)
     assert motion.n_fingers == 3
@@ -156,8 +157,8 @@ def test_slices_of_any_length_trust_and_check_their_fingers_alike():
         for t_us in range(0, 400_000, step_us):
             size_mm = min(1.0 + 3.0 * t_us / 100_000, 4.0)
             fingers.update(pinch(size_mm), SEES_ALL, 0.05, step_us=step_us, forming=True)
-        searches.append(int(fingers.state["n_searches"][0]))
-        trust.append(fingers.fits[NOW]["trust"][:2])
+        searches.append(int(fingers.arrays.state["n_searches"][0]))
+        trust.append(fingers.arrays.fits[NOW]["trust"][:2])
         np.testing.assert_allclose(found(fingers)[1], [4.0, -4.0], atol=0.5)
     np.testing.assert_allclose(trust, [trust[-1]] * 3, atol=0.3)
     assert max(searches) <= searches[-1] + 1  # ten times as many slices, as many searches
@@ -179,7 +180,7 @@ def test_a_search_that_stops_early_finds_the_same_fingers():
             motion = motion._replace(parts_mm=motion.parts_mm.tolist())
             each.append((motion, motion.n_fingers and fingers.locate_shown().mm.tolist()))
         motions.append(each)
-        asked.append(int(fingers.state["n_asked"][0]))
+        asked.append(int(fingers.arrays.state["n_asked"][0]))
     assert motions[0] == motions[1]
     assert asked[0] < 0.8 * asked[1]
 
@@ -188,9 +189,10 @@ def test_every_fourth_site_shows_whether_there_is_a_finger_at_all():
     rng = np.random.default_rng(5)
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)
-    gel, n_found = fingers.gel[0], 0
+    arrays, n_found = fingers.arrays, 0
+    gel = arrays.gel[0]
     weight, known = np.ones(len(PAPER_GEL.points_mm)), np.zeros((0, 2))
-    n_sites, n_coarse = len(gel["sites"]), int(gel["n_coarse"])
+    n_sites, n_coarse = len(arrays.sites), int(gel["n_coarse"])
     assert n_coarse < 0.3 * n_sites
     for _ in range(200):
         place_mm = rng.uniform(-18.0, 18.0, (1, 2))
@@ -198,12 +200,12 @@ def test_every_fourth_site_shows_whether_there_is_a_finger_at_all():
         fill_responses(PAPER_GEL.points_mm, place_mm, rng.uniform(5.0, 8.0), 31.0, response)
         field = (response @ rng.normal(0.0, (1.0, 1.0, 0.1))).reshape(-1, 2)
         gel["n_coarse"] = n_sites
-        best = find_site(gel, field, weight, known, 5.0, 0.0)
+        best = find_site(arrays, field, weight, known, 5.0, 0.0)
         gel["n_coarse"] = n_coarse
-        found = find_site(gel, field, weight, known, 5.0, best[1])
+        found = find_site(arrays, field, weight, known, 5.0, best[1])
         n_found += found == best
         more_mm2 = 4.0 * best[1]  # more than the field contains
-        none = find_site(gel, field, weight, known, 5.0, more_mm2)
+        none = find_site(arrays, field, weight, known, 5.0, more_mm2)
         assert none == (0, 0.0)
     assert n_found >= 196
 
@@ -212,9 +214,9 @@ def test_names_stay_with_fingers_until_they_are_forgotten():
     fingers = FingerTracker()
     fingers.place(REST_PX, RIG)
     follow(fingers, [1.0, 2.0, 3.0])
-    names = fingers.fits["ids"][NOW][:2].tolist()
+    names = fingers.arrays.fits["ids"][NOW][:2].tolist()
     follow(fingers, [4.0])
-    assert fingers.fits["ids"][NOW][:2].tolist() == names
+    assert fingers.arrays.fits["ids"][NOW][:2].tolist() == names
     assert len(set(names)) == 2
     fingers.reset()
     assert not fingers.update(
@@ -273,7 +275,7 @@ def test_contacts_are_in_gel_and_image_coordinates():
     contacts = fingers.locate_shown()
     order = np.argsort(contacts.mm[:, 0])
     np.testing.assert_allclose(contacts.mm[order], [[-5.0, 0.0], [5.0, 0.0]], atol=1.0)
-    fit = fingers.fits[NOW]
+    fit = fingers.arrays.fits[NOW]
     whole_mm = [fit["offset_x_mm"], fit["offset_y_mm"]]
     np.testing.assert_allclose(contacts.px, rig.to_px(contacts.mm + whole_mm), atol=1e-9)
     assert np.abs(whole_mm).max() < 0.01
@@ -295,11 +297,11 @@ def test_a_finger_beside_the_dots_is_found_at_their_rim(place_mm):
         moved = (response @ (-size_mm * np.sign(place_mm[0]), 0.0, 0.0)).reshape(-1, 2)
         motion = fingers.update(moved, np.ones(FLAT.n_markers, np.bool_), 0.05, forming=True)
         assert motion.n_fingers
-        centres = fingers.fits[NOW]["centres"][: motion.n_fingers]
-        shown = fingers.locate_shown().mm - fingers.fits[NOW]["whole"][0, :2]
+        centres = fingers.arrays.fits[NOW]["centres"][: motion.n_fingers]
+        shown = fingers.locate_shown().mm - fingers.arrays.fits[NOW]["whole"][0, :2]
         for places in (centres, shown if motion.n_fingers == 1 else centres):
             assert (np.abs(places) <= (9.135 + 1e-6, 6.09 + 1e-6)).all()
 
 
 def test_on_the_usual_gel_a_finger_may_be_anywhere_within_its_reach():
-    assert FingerTracker().gel["inner_mm"][0] > PAPER_GEL.rim_mm - RIM_WIDTH_MM
+    assert FingerTracker().arrays.gel["inner_mm"][0] > PAPER_GEL.rim_mm - RIM_WIDTH_MM

@@ -1,7 +1,5 @@
 """The least squares of the fit against numpy."""
 
-from typing import NamedTuple
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,17 +7,16 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.gesture.elastic.fingers import FingerTracker
-from neurotouch_hid.gesture.elastic.kernels.field import build_compliance, rim_window
-from neurotouch_hid.gesture.elastic.kernels.fit import (
+from neurotouch_hid.gesture.elastic.kernels.arrays import WARM
+from neurotouch_hid.gesture.elastic.kernels.columns import (
     N_WHOLE,
-    accumulate,
     build_columns,
     build_flow,
     build_slopes,
-    invert,
-    refine,
-    solve,
 )
+from neurotouch_hid.gesture.elastic.kernels.field import build_compliance, rim_window
+from neurotouch_hid.gesture.elastic.kernels.fit import refine
+from neurotouch_hid.gesture.elastic.kernels.least_squares import accumulate, invert, solve
 from tests.reference import gesture_elastic as reference
 
 RIM_MM = PAPER_GEL.rim_mm
@@ -27,7 +24,7 @@ WINDOW = np.array([rim_window(float(r2), RIM_MM) for r2 in (PAPER_GEL.points_mm*
 POINTS = np.ascontiguousarray(PAPER_GEL.points_mm.T)
 TRACKER = FingerTracker()
 TRACKER.place(PAPER_GEL.points_mm.astype(np.float32), Rig((0.0, 0.0), 1.0))  # a pixel a millimetre
-GEL = TRACKER.gel
+ARRAYS = TRACKER.arrays
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 24), st.integers(1, 3))
@@ -62,28 +59,20 @@ def make_fingers(k, seed):
 
 
 def describe(centres, radii, motions):
-    """Returns a fit of these fingers."""
-    fits, k = np.zeros_like(TRACKER.fits[:1]), len(centres)
-    fits["count"] = k
-    fits["centres"][0, :k], fits["radii"][0, :k], fits["motions"][0, :k] = centres, radii, motions
-    return fits
+    """Returns a new fit of these fingers."""
+    ARRAYS.fits[WARM], k = np.zeros((), ARRAYS.fits.dtype), len(centres)
+    fit = ARRAYS.fits[WARM]
+    fit["count"] = k
+    fit["centres"][:k], fit["radii"][:k], fit["motions"][:k] = centres, radii, motions
+    return fit
 
 
-class Slice(NamedTuple):
-    moved: np.ndarray
-    weight: np.ndarray
-    noise_mm: float
-
-
-class Rules(NamedTuple):
-    radius_mm: float
-    model_error: float
-
-
-def fit_to(fit, moved, weight, *, noise_mm=0.05, model_error=0.02, n_steps):
-    """Refines a fit without knowledge from earlier slices."""
-    slice_, rules = Slice(moved, weight, noise_mm), Rules(6.5, model_error)
-    refine(GEL[0], fit, slice_, rules, np.zeros(3), n_steps)
+def fit_to(moved, weight, *, noise_mm=0.05, model_error=0.02, n_steps):
+    """Refines the fit without knowledge from earlier slices; returns what it does not explain."""
+    ARRAYS.moved[:], ARRAYS.weight[:] = moved, weight
+    ARRAYS.state["noise_mm"], ARRAYS.rules["model_error"] = noise_mm, model_error
+    refine(ARRAYS, WARM, n_steps)
+    return ARRAYS.residual[WARM]
 
 
 def invert_coupling(centres, radii):
@@ -155,12 +144,10 @@ def test_refine_finds_the_fingers_of_the_twin(k):
     moved = np.einsum(
         "nap,p->na", reference.columns(PAPER_GEL.points_mm, centres, radii), motions.ravel()
     ) + reference.bend(PAPER_GEL.points_mm, centres, radii, motions[:, 2])
-    fits, weight = describe(centres + 1.5, np.full(k, 6.5), np.zeros((k, 3))), np.ones(177)
-    fit = fits[0]
-    fit_to(fit, moved, weight, n_steps=0)
-    before = (fit["residual"] ** 2).sum()
-    fit_to(fit, moved, weight, n_steps=12)
-    assert fit["cost"] == pytest.approx((fit["residual"] ** 2).sum())
+    fit = describe(centres + 1.5, np.full(k, 6.5), np.zeros((k, 3)))
+    before = (fit_to(moved, np.ones(177), n_steps=0) ** 2).sum()
+    residual = fit_to(moved, np.ones(177), n_steps=12)
+    assert fit["cost"] == pytest.approx((residual**2).sum())
     assert fit["cost"] < 0.1 * before
     np.testing.assert_allclose(fit["centres"][:k], centres, atol=0.6)
     np.testing.assert_allclose(fit["motions"][:k, :2], motions[:, :2], atol=0.3)
@@ -172,11 +159,11 @@ def test_refine_finds_the_fingers_of_the_twin(k):
 
 
 def test_without_information_the_cost_is_infinite():
-    fit = describe(*make_fingers(2, 5))[0]
-    fit["residual"] = 1.0
-    fit_to(fit, np.ones((177, 2)), np.zeros(177), noise_mm=0.0, model_error=0.0, n_steps=1)
+    fit = describe(*make_fingers(2, 5))
+    ARRAYS.residual[WARM] = 1.0
+    residual = fit_to(np.ones((177, 2)), np.zeros(177), noise_mm=0.0, model_error=0.0, n_steps=1)
     assert fit["cost"] == np.inf
-    assert not fit["residual"].any()
+    assert not residual.any()
 
 
 def test_markers_without_weight_do_not_count():
@@ -190,7 +177,7 @@ def test_markers_without_weight_do_not_count():
         weight[::7] = 0.0
         spoiled = moved.copy()
         spoiled[::7] += spoil
-        fit = describe(centres, radii, np.zeros((2, 3)))[0]
-        fit_to(fit, spoiled, weight, n_steps=2)
+        fit = describe(centres, radii, np.zeros((2, 3)))
+        fit_to(spoiled, weight, n_steps=2)
         answers.append(fit["motions"].copy())
     np.testing.assert_array_equal(*answers)

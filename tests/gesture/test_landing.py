@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.gesture.elastic.fingers import FingerTracker
-from neurotouch_hid.gesture.elastic.kernels.follow import NOW
+from neurotouch_hid.gesture.elastic.kernels.arrays import NOW
 from neurotouch_hid.gesture.elastic.kernels.motion import (
     LANDING_MM,
     LANDING_SHARE,
@@ -67,9 +67,9 @@ def test_each_finger_lands_for_itself():
         motion = tracker.update(field(places[:k], drags[:k]), sees_all, 0.05, forming=True)
         if not motion.n_fingers:
             continue
-        fit, n = tracker.fits[NOW], motion.n_fingers
+        fit, n = tracker.arrays.fits[NOW], motion.n_fingers
         since = twin.subtract(fit["ids"][:n].tolist(), fit["whole"][:n], 10_000)
-        np.testing.assert_allclose(tracker.state["since"][0, :n], since, atol=1e-12)
+        np.testing.assert_allclose(tracker.arrays.state["since"][0, :n], since, atol=1e-12)
         parts = reference.measure_motion(fit["centres"][:n], fit["radii"][:n], since)[1]
         np.testing.assert_allclose(motion.parts_mm, parts, atol=1e-9)
         counts.append(n)

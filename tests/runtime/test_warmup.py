@@ -16,14 +16,16 @@ from itertools import islice
 from pathlib import Path
 
 import neurotouch_hid
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.process.kernel_cache import Kernel
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, warm_up
 from neurotouch_hid.source import open_source
+from tests.layouts import HEX
 
-def build():
-    return Pipeline.build(load_profile("default"), GestureConfig())
+def build(gel=PAPER_GEL):
+    return Pipeline.build(load_profile("default"), GestureConfig(), gel=gel)
 
 def find_called(name, module):
     '''The kernels that the functions of a module call in the interpreter.'''
@@ -56,9 +58,9 @@ def note(kernel, args):
         late.append(repr(kernel))
     return find(kernel, args)
 Kernel._find = note
-for name in sys.argv[1:]:
-    pipeline = build()
-    with open_source(name, speed="max") as source:
+for name, gel in [(name, gel) for name in sys.argv[1:] for gel in (PAPER_GEL, HEX)]:
+    pipeline = build(gel)
+    with open_source(name, speed="max", gel=gel) as source:
         for packet in islice(source, 1_200):
             pipeline.advance(packet)
     pipeline.close()
@@ -75,7 +77,10 @@ def test_warm_up_takes_a_gel_through_every_stage():
 
 
 def test_no_kernel_is_loaded_or_compiled_while_a_person_plays():
-    """Compiling takes seconds; the pad would wait for it, with what was pressed."""
+    """Compiling takes seconds; the pad would wait for it, with what was pressed.
+
+    Another gel needs no kernels of its own.
+    """
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM, *SOURCES], capture_output=True, text=True, check=False
     )

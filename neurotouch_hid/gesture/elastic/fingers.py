@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig, place_square
+from neurotouch_hid.gesture.elastic.kernels.arrays import MOST, N_SIDES, make_arrays
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, rim_window
-from neurotouch_hid.gesture.elastic.kernels.follow import CHECK_US, N_FITS, follow, locate_shown
+from neurotouch_hid.gesture.elastic.kernels.follow import follow, locate_shown
 from neurotouch_hid.gesture.elastic.kernels.markers import measure_spread
-from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.gesture.elastic.kernels.search import CHECK_US
 from neurotouch_hid.process.kernel_cache import bind
 
 Floats = NDArray[np.float64]
@@ -19,16 +20,10 @@ Floats = NDArray[np.float64]
 SITE_MM: Final = 4.0
 """Distance of the sites where fingers are searched for."""
 
-N_SIDES: Final = 32
-"""Sides of the polygon around the dots in which fingers are."""
-
 _PLACES: Final = ("standing_x_mm", "standing_y_mm", "before_x_mm", "before_y_mm")
 _BUMP_MM: Final = 0.4  # if the rest position has moved farther, the place before no longer counts
 _MIDDLE: Final = 0.4
 _REACH_MM: Final = 8.0
-
-MOST: Final = 3
-"""Fingers of a gesture [NT, "Creation of the Gesture Detection Dataset"]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,127 +88,6 @@ CONFIG: Final = np.dtype(
 """``FingerConfig`` as a record for kernels."""
 
 
-def _lay_out_fit(n: int) -> np.dtype[np.void]:
-    """Returns the dtype of fingers that explain one field of n markers.
-
-    - ``count``: their number.
-    - ``ids``: names that stay with them.
-    - ``trust``: how surely earlier slices know their centres, 1/mm².
-    - ``shown``: 1 for a finger that is shown as a contact, else 0.
-    - ``landed``, ``landed_us``: how each finger landed, see ``subtract_landing``.
-    - ``centres``, ``radii``: of the contact patches on the gel at rest, mm.
-    - ``motions``: drag x, drag y in mm, sine of the turn; beyond the shear of the whole gel.
-    - ``whole``: the same with that shear, so how far the fingers go.
-    - ``press``: mm.
-    - ``offset_x_mm``, ``offset_y_mm``, ``offset_rad``: motion of the whole gel.
-    - ``aside_mm``: how far pressed gel flows aside where it flows farthest, of one finger.
-    - ``residual``: the part of each marker's motion that is not explained, mm.
-    - ``cost``: its weighted sum of squares, mm²; infinite where no fit was possible.
-    - ``largest_mm``: the largest motion of a finger.
-    """
-    return np.dtype(
-        [
-            ("count", "i8"),
-            ("ids", "i8", MOST),
-            ("trust", "f8", MOST),
-            ("shown", "i8", MOST),
-            ("landed", "f8", (MOST, 3)),
-            ("landed_us", "i8", MOST),
-            ("centres", "f8", (MOST, 2)),
-            ("radii", "f8", MOST),
-            ("motions", "f8", (MOST, 3)),
-            ("whole", "f8", (MOST, 3)),
-            ("press", "f8", MOST),
-            ("offset_x_mm", "f8"),
-            ("offset_y_mm", "f8"),
-            ("offset_rad", "f8"),
-            ("aside_mm", "f8"),
-            ("residual", "f8", (n, 2)),
-            ("cost", "f8"),
-            ("largest_mm", "f8"),
-        ],
-        align=True,
-    )
-
-
-SLICE: Final = np.dtype(
-    [("noise_mm", "f8"), ("step_us", "i8"), ("forming", "?"), ("falling", "?")], align=True
-)
-"""The arguments of ``FingerTracker.update`` for one slice, beside the displacements."""
-
-MOTION: Final = np.dtype(
-    [
-        ("n_fingers", "i8"),
-        ("largest_mm", "f8"),
-        ("peak_mm", "f8"),
-        ("sway_mm", "f8"),
-        ("error_mm", "f8"),
-        ("is_lost", "?"),
-        ("x_mm", "f8"),
-        ("y_mm", "f8"),
-        ("rotation_rad", "f8"),
-        ("scale", "f8"),
-        ("parts_mm", "f8", len(GestureKind)),
-    ],
-    align=True,
-)
-"""``FingerMotion`` as a record for kernels."""
-
-
-def _lay_out_state(n: int) -> np.dtype[np.void]:
-    """Returns the dtype of what the kernels remember of n markers beside the fits.
-
-    - ``slice``, ``motion``: arguments and result of ``follow``.
-    - ``next_id``: the next free name of a finger.
-    - ``n_checks``: how often the number of fingers was checked since there are some.
-    - ``unchecked_us``, ``unsearched_us``: time since that, and since fingers were last searched
-      for from nothing.
-    - ``n_searches``, ``n_asked``: how often they were searched for, and how often all sites were
-      asked.
-    - ``noise_mm``: error of a marker on one axis.
-    - ``common_x_mm``, ``common_y_mm``: how far the whole gel had moved at the last search.
-    - ``standing_x_mm``, ``standing_y_mm``: the recent mean place of the whole gel.
-    - ``before_x_mm``, ``before_y_mm``: where the whole gel was before the fingers came.
-    - ``taken_along``: by how much the fingers take the whole gel along, a share of their motion;
-      negative where it follows less than the closed form says.
-    - ``moved``: displacement of each marker, mm.
-    - ``weight``: trust in each marker, 0..1.
-    - ``since``: motions of the fingers since they landed, as ``motions`` of a fit.
-    """
-    return np.dtype(
-        [
-            ("slice", SLICE),
-            ("motion", MOTION),
-            ("next_id", "i8"),
-            ("n_checks", "i8"),
-            ("unchecked_us", "i8"),
-            ("unsearched_us", "i8"),
-            ("n_searches", "i8"),
-            ("n_asked", "i8"),
-            ("noise_mm", "f8"),
-            ("common_x_mm", "f8"),
-            ("common_y_mm", "f8"),
-            ("standing_x_mm", "f8"),
-            ("standing_y_mm", "f8"),
-            ("before_x_mm", "f8"),
-            ("before_y_mm", "f8"),
-            ("taken_along", "f8"),
-            ("moved", "f8", (n, 2)),
-            ("weight", "f8", n),
-            ("since", "f8", (MOST, 3)),
-        ],
-        align=True,
-    )
-
-
-RIG: Final = np.dtype([("x_px", "f8"), ("y_px", "f8"), ("along", "f8"), ("across", "f8")])
-"""``Rig`` as a record for kernels.
-
-- ``x_px``, ``y_px``: its centre.
-- ``along``, ``across``: the x and the y part of a mm along the gel's x axis, px.
-"""
-
-
 class FingerMotion(NamedTuple):
     """The common motion of the fingers.
 
@@ -264,48 +138,47 @@ class FingerTracker:
     """Follows up to three fingers from slice to slice.
 
     Attributes:
-        fits: (N_FITS,), see ``_lay_out_fit``; the fingers of the last slice are in ``NOW``.
-        state: (1,), see ``_lay_out_state``.
-        gel: (1,), the markers at rest, see ``_lay_out_gel``.
+        arrays: what the kernels share.
     """
 
     def __init__(self, config: FingerConfig | None = None, gel: Gel = PAPER_GEL) -> None:
         self.config = config or FingerConfig()
-        self.fits = np.zeros(N_FITS, _lay_out_fit(gel.n_markers))
         density = _measure_density(gel) / _measure_density(PAPER_GEL)
         rules = replace(self.config, field_gain=density * self.config.field_gain)
-        self._rules = np.array([astuple(rules)], CONFIG)
-        self.state = np.zeros(1, _lay_out_state(gel.n_markers))
-        self._slice, self._motion = self.state["slice"], self.state["motion"]
         middle_mm, sides = find_sides(gel)
         sites = place_square(SITE_MM, min(gel.rim_mm - self.config.rim_width_mm, gel.radius_mm))
         sites = sites[((sites - middle_mm) @ sides[:, :2].T <= sides[:, 2]).all(axis=1)]
-        is_between = (sites % (2.0 * SITE_MM)).any(axis=1)
-        self.gel = np.zeros(1, _lay_out_gel(gel.n_markers, len(sites)))
-        self.gel["sites"] = sites[np.argsort(is_between, kind="stable")]
-        self.gel["n_coarse"] = np.count_nonzero(~is_between)
-        self.gel["middle"], self.gel["sides"] = middle_mm, sides
-        self.gel["inner_mm"] = sides[:, 2].min()
-        self.gel["rim_mm"] = gel.rim_mm
-        records = self.state, self.fits, self.gel, self._rules
-        self._follow, self._locate_shown = bind(follow, *records), bind(locate_shown, *records)
+        is_between = (sites % (2.0 * SITE_MM)).any(axis=1)  # every fourth covers the gel
+        sites = sites[np.argsort(is_between, kind="stable")]
+        self.arrays = make_arrays(gel.n_markers, sites, np.array([astuple(rules)], CONFIG))
+        places = self.arrays.gel[0]
+        places["n_coarse"] = np.count_nonzero(~is_between)
+        places["middle"], places["sides"] = middle_mm, sides
+        places["inner_mm"] = sides[:, 2].min()
+        places["rim_mm"] = gel.rim_mm
+        self._state = self.arrays.state
+        self._slice, self._motion = self._state["slice"], self._state["motion"]
+        self._follow, self._locate_shown = (
+            bind(follow, self.arrays),
+            bind(locate_shown, self.arrays),
+        )
         self._built: Floats = np.full(gel.points_mm.shape, np.inf)
         self._rest_px: NDArray[np.float32] | None = None
         self.reset()
 
     def reset(self) -> None:
         """Forgets all fingers, but not where the whole gel is."""
-        places = {name: self.state[name].copy() for name in _PLACES}
-        self.fits["count"] = 0
-        self.fits["trust"] = 0.0
-        self.state[0] = 0
+        places = {name: self._state[name].copy() for name in _PLACES}
+        self.arrays.fits["count"] = 0
+        self.arrays.fits["trust"] = 0.0
+        self._state[0] = 0
         for name, place_mm in places.items():
-            self.state[name] = place_mm
-        self.state["unsearched_us"] = CHECK_US
+            self._state[name] = place_mm
+        self._state["unsearched_us"] = CHECK_US
 
     def measure_noise(self) -> float:
         """Returns the spread of the markers about their common motion on one axis, mm."""
-        return float(measure_spread(self.state["moved"][0], self.state["weight"][0]))
+        return float(measure_spread(self.arrays.moved, self.arrays.weight))
 
     def place(self, rest_px: NDArray[np.float32], rig: Rig) -> None:
         """Takes new positions of the markers at rest.
@@ -314,8 +187,8 @@ class FingerTracker:
             rest_px: (n, 2) float32 px.
             rig: fitted to them.
         """
-        gel = self.gel[0]
-        gel["rig"] = (
+        arrays, config = self.arrays, self.config
+        arrays.gel["rig"] = (
             *rig.centre_px,
             rig.px_per_mm * math.cos(rig.rotation_rad),
             rig.px_per_mm * math.sin(rig.rotation_rad),
@@ -324,21 +197,20 @@ class FingerTracker:
             x_mm, y_mm = rig.vector_to_mm(np.nanmedian(rest_px - self._rest_px, axis=0))
             is_bumped = math.hypot(x_mm, y_mm) > _BUMP_MM
             for name, moved_mm in zip(_PLACES, (x_mm, y_mm, x_mm, y_mm), strict=True):
-                self.state[name] = 0.0 if is_bumped else self.state[name] - moved_mm
+                self._state[name] = 0.0 if is_bumped else self._state[name] - moved_mm
         self._rest_px = rest_px
         points_mm = rig.to_mm(rest_px)
-        gel["points"] = points_mm.T
-        rim_mm = float(gel["rim_mm"])
-        gel["window"] = [rim_window(float(r2), rim_mm) for r2 in (points_mm**2).sum(axis=1)]
+        arrays.points[:] = points_mm.T
+        rim_mm = float(arrays.gel["rim_mm"][0])
+        arrays.window[:] = [rim_window(float(r2), rim_mm) for r2 in (points_mm**2).sum(axis=1)]
         if np.abs(points_mm - self._built).max() < 0.4:
             return
         self._built = points_mm
-        count = len(gel["sites"])
-        atoms = np.empty((len(points_mm) * 2, count * 3))
-        fill_responses(points_mm, gel["sites"], self.config.radius_mm, rim_mm, atoms)
-        gel["atoms"] = atoms
-        rows = atoms.reshape(-1, count, 3)
-        gel["inverse"] = np.linalg.inv(
+        atoms = np.empty(arrays.atoms.shape)
+        fill_responses(points_mm, arrays.sites, config.radius_mm, rim_mm, atoms)
+        arrays.atoms[:] = atoms
+        rows = atoms.reshape(len(atoms), -1, 3)
+        arrays.inverse[:] = np.linalg.inv(
             np.einsum("nsa,nsb->sab", rows, rows) + np.diag([1e-6, 1e-6, 1e-2])
         )
 
@@ -399,34 +271,3 @@ def _measure_density(gel: Gel) -> float:
     near = np.hypot(*(gel.points_mm - gel.points_mm.mean(axis=0)).T) <= _MIDDLE * gel.radius_mm
     away = np.hypot(*(gel.points_mm[near, None] - gel.points_mm).transpose(2, 0, 1))
     return float(np.exp(-((away / _REACH_MM) ** 2)).sum(axis=1).mean())
-
-
-def _lay_out_gel(n: int, n_sites: int) -> np.dtype[np.void]:
-    """Returns the dtype of a gel of n markers at rest.
-
-    - ``rig``: where it is in the image.
-    - ``points``, ``window``: the markers, mm, with ``rim_window`` there.
-    - ``sites``: where fingers are searched for, mm. The first ``n_coarse``, every fourth, cover
-      the gel.
-    - ``middle``, ``sides``, ``inner_mm``: where fingers can be, see ``find_sides``; nearer to the
-      middle than ``inner_mm`` they can be anywhere.
-    - ``rim_mm``: where the gel is clamped.
-    - ``atoms``, ``inverse``: see ``fill_responses`` and ``measure_gains``. ``atoms`` are float32,
-      half as much to read for each slice.
-    """
-    return np.dtype(
-        [
-            ("rig", RIG),
-            ("points", "f8", (2, n)),
-            ("window", "f8", n),
-            ("sites", "f8", (n_sites, 2)),
-            ("n_coarse", "i8"),
-            ("middle", "f8", 2),
-            ("sides", "f8", (N_SIDES, 3)),
-            ("inner_mm", "f8"),
-            ("rim_mm", "f8"),
-            ("inverse", "f8", (n_sites, 3, 3)),
-            ("atoms", "f4", (2 * n, 3 * n_sites)),
-        ],
-        align=True,
-    )

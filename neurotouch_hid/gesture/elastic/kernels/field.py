@@ -229,7 +229,7 @@ def bound_gain(residual: Floats, weight: Floats) -> float:
 
 @kernel
 def find_site(
-    gel: Any,
+    arrays: Any,
     residual: Floats,
     weight: Floats,
     centres: Floats,
@@ -243,15 +243,15 @@ def find_site(
     two thirds of what the best site does. The data of all sites exceed a processor's near caches.
 
     Args:
-        gel: record of ``FingerTracker.gel``; ``sites``, ``n_coarse``, ``atoms`` and ``inverse``
-            are read.
+        arrays: see ``FingerArrays``; the sites and what belongs to them are read.
         residual: (n, 2) float64 mm, the part of the field that is not explained yet.
         weight: (n,) float64.
         centres: (k, 2) float64 mm, of the fingers that are known.
         fresh_mm: no site nearer than this to a known finger counts.
         least_mm2: the least that a finger must explain.
     """
-    atoms, inverse, sites, n_coarse = gel.atoms, gel.inverse, gel.sites, gel.n_coarse
+    atoms, inverse, sites = arrays.atoms, arrays.inverse, arrays.sites
+    n_coarse = arrays.gel[0].n_coarse
     gains = np.empty(len(sites))
     measure_gains(atoms, inverse, residual, weight, 0, gains[:n_coarse])
     if gains[:n_coarse].max() < 0.5 * least_mm2:
