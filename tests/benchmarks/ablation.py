@@ -28,8 +28,8 @@ VARIANTS = {
         ("elastic/kernels/fit.py", "SWAY_RAD = 0.01", "SWAY_RAD = 1e-6"),
     ),
     "no finite turns": (
-        ("elastic/kernels/fit.py", "bend = math.sqrt(", "bend = 0.0 * math.sqrt("),
-        ("elastic/kernels/fit.py", "2, 0.0)) - 1.0", "2, 0.0))"),
+        ("elastic/kernels/columns.py", "bend = math.sqrt(", "bend = 0.0 * math.sqrt("),
+        ("elastic/kernels/columns.py", "2, 0.0)) - 1.0", "2, 0.0))"),
     ),
     "contacts at lattice points": (
         ("elastic/kernels/fit.py", "STEP_MM = 2.0", "STEP_MM = 1e-3"),
@@ -39,7 +39,7 @@ VARIANTS = {
         ("elastic/fingers.py", "keep: float = 0.6", "keep: float = -1e9"),
     ),
     "no second look while forming": (
-        ("elastic/kernels/search.py", "is_warm or (is_due and forming", "is_warm or (False"),
+        ("elastic/kernels/search.py", "is_warm or (is_second and forming", "is_warm or (False"),
     ),
     "push compared one to one": (
         ("elastic/kernels/motion.py", "COMMON_GAIN = 1.6", "COMMON_GAIN = 1.0"),

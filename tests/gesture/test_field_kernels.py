@@ -9,10 +9,12 @@ from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.gesture.elastic.fingers import FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.arrays import make_arrays
 from neurotouch_hid.gesture.elastic.kernels.field import (
+    N_ROWS,
     bound_gain,
     build_compliance,
     fill_responses,
     find_site,
+    measure_arc,
     measure_gains,
     respond,
     respond_along,
@@ -43,11 +45,17 @@ def test_respond_equals_its_twin(x, y, cx, cy, a):
     np.testing.assert_allclose([[xx, xy, tx], [xy, yy, ty]], expected, atol=1e-9)
 
 
+def test_the_arc_is_an_arc_sine():
+    ratios = np.linspace(0.0, 1.0, 1001)
+    arcs = [measure_arc(ratio) for ratio in ratios.tolist()]
+    np.testing.assert_allclose(arcs, np.arcsin(ratios), atol=1e-10)
+
+
 @given(st.lists(st.tuples(PLACE, PLACE), min_size=1, max_size=20), PLACE, PLACE, st.floats(4.5, 9))
 def test_many_points_respond_as_each_alone(points, cx, cy, a):
     points = np.array([*points, (cx, cy), (cx + a, cy)])
     window = np.array([rim_window(float(r2), RIM_MM) for r2 in (points**2).sum(axis=1)])
-    answer = np.empty((7, len(points)))
+    answer = np.empty((N_ROWS, len(points)))
     respond_along(points[:, 0].copy(), points[:, 1].copy(), window, cx, cy, a, RIM_MM, answer)
     each = [respond(x, y, w, cx, cy, a, RIM_MM) for (x, y), w in zip(points, window, strict=True)]
     np.testing.assert_array_equal(answer[:5].T, each)

@@ -128,7 +128,7 @@ def test_fingers_whose_markers_have_lost_their_trust_are_searched_for_again():
     fit["count"] = 3
     fit["centres"], fit["motions"] = [[0.0, -24.0], [-22.0, -9.0], [6.0, 6.0]], [0.3, 0.2, 0.0]
     fit["radii"], fit["trust"], fit["largest_mm"] = 6.5, 3.0, 0.5
-    fingers.arrays.residual[NOW] = moved
+    fingers.arrays.markers["residual"][0, NOW, : len(moved)] = moved
     for _ in range(4):
         motion = fingers.update(moved, SEES_ALL, 0.05, forming=False)
     assert motion.n_fingers == 3

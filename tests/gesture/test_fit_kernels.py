@@ -25,6 +25,7 @@ POINTS = np.ascontiguousarray(PAPER_GEL.points_mm.T)
 TRACKER = FingerTracker()
 TRACKER.place(PAPER_GEL.points_mm.astype(np.float32), Rig((0.0, 0.0), 1.0))  # a pixel a millimetre
 ARRAYS = TRACKER.arrays
+MARKERS = ARRAYS.markers[0]
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 24), st.integers(1, 3))
@@ -69,10 +70,10 @@ def describe(centres, radii, motions):
 
 def fit_to(moved, weight, *, noise_mm=0.05, model_error=0.02, n_steps):
     """Refines the fit without knowledge from earlier slices; returns what it does not explain."""
-    ARRAYS.moved[:], ARRAYS.weight[:] = moved, weight
+    MARKERS["moved"][:177], MARKERS["weight"][:177] = moved, weight
     ARRAYS.state["noise_mm"], ARRAYS.rules["model_error"] = noise_mm, model_error
     refine(ARRAYS, WARM, n_steps)
-    return ARRAYS.residual[WARM]
+    return MARKERS["residual"][WARM, :177]
 
 
 def invert_coupling(centres, radii):
@@ -160,7 +161,7 @@ def test_refine_finds_the_fingers_of_the_twin(k):
 
 def test_without_information_the_cost_is_infinite():
     fit = describe(*make_fingers(2, 5))
-    ARRAYS.residual[WARM] = 1.0
+    MARKERS["residual"][WARM] = 1.0
     residual = fit_to(np.ones((177, 2)), np.zeros(177), noise_mm=0.0, model_error=0.0, n_steps=1)
     assert fit["cost"] == np.inf
     assert not residual.any()

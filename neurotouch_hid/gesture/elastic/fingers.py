@@ -156,7 +156,7 @@ class FingerTracker:
         places["middle"], places["sides"] = middle_mm, sides
         places["inner_mm"] = sides[:, 2].min()
         places["rim_mm"] = gel.rim_mm
-        self._state = self.arrays.state
+        self._n, self._state = gel.n_markers, self.arrays.state
         self._slice, self._motion = self._state["slice"], self._state["motion"]
         self._follow, self._locate_shown = (
             bind(follow, self.arrays),
@@ -178,7 +178,8 @@ class FingerTracker:
 
     def measure_noise(self) -> float:
         """Returns the spread of the markers about their common motion on one axis, mm."""
-        return float(measure_spread(self.arrays.moved, self.arrays.weight))
+        moved, weight = (self.arrays.markers[name][0, : self._n] for name in ("moved", "weight"))
+        return float(measure_spread(moved, weight))
 
     def place(self, rest_px: NDArray[np.float32], rig: Rig) -> None:
         """Takes new positions of the markers at rest.
@@ -200,9 +201,11 @@ class FingerTracker:
                 self._state[name] = 0.0 if is_bumped else self._state[name] - moved_mm
         self._rest_px = rest_px
         points_mm = rig.to_mm(rest_px)
-        arrays.points[:] = points_mm.T
+        markers = arrays.markers[0]
+        markers["points"][:, : self._n] = points_mm.T
         rim_mm = float(arrays.gel["rim_mm"][0])
-        arrays.window[:] = [rim_window(float(r2), rim_mm) for r2 in (points_mm**2).sum(axis=1)]
+        squares = (points_mm**2).sum(axis=1)
+        markers["window"][: self._n] = [rim_window(float(r2), rim_mm) for r2 in squares]
         if np.abs(points_mm - self._built).max() < 0.4:
             return
         self._built = points_mm

@@ -12,6 +12,9 @@ Floats = NDArray[np.float64]
 MOST: Final = 3
 """Fingers of a gesture [NT, "Creation of the Gesture Detection Dataset"]."""
 
+MOST_MARKERS: Final = 400
+"""Markers of a gel [docs/research/formats.md]."""
+
 N_SIDES: Final = 32
 """Sides of the polygon around the dots in which fingers are."""
 
@@ -132,6 +135,7 @@ RIG: Final = np.dtype([("x_px", "f8"), ("y_px", "f8"), ("along", "f8"), ("across
 GEL: Final = np.dtype(
     [
         ("rig", RIG),
+        ("n_markers", "i8"),
         ("n_coarse", "i8"),
         ("middle", "f8", 2),
         ("sides", "f8", (N_SIDES, 3)),
@@ -143,6 +147,7 @@ GEL: Final = np.dtype(
 """A gel at rest.
 
 - ``rig``: where it is in the image.
+- ``n_markers``: how many there are.
 - ``n_coarse``: how many sites, the first, cover the gel.
 - ``middle``, ``sides``, ``inner_mm``: where fingers can be, see ``find_sides``; nearer to the
   middle than ``inner_mm`` they can be anywhere.
@@ -150,21 +155,37 @@ GEL: Final = np.dtype(
 """
 
 
-class FingerArrays(NamedTuple):
-    """What the kernels read and write for a gel of n markers, with s sites to search.
+MARKERS: Final = np.dtype(
+    [
+        ("points", "f8", (2, MOST_MARKERS)),
+        ("window", "f8", MOST_MARKERS),
+        ("moved", "f8", (MOST_MARKERS, 2)),
+        ("weight", "f8", MOST_MARKERS),
+        ("residual", "f8", (N_FITS, MOST_MARKERS, 2)),
+    ],
+    align=True,
+)
+"""The markers of a gel; it has the first ``n_markers``.
 
-    Their types do not depend on n and s, so all gels share the compiled kernels.
+- ``points``, ``window``: at rest, mm, with ``rim_window`` there.
+- ``moved``: displacement of each, mm.
+- ``weight``: trust in each, 0..1.
+- ``residual``: the part of each one's motion that each fit leaves, mm.
+"""
+
+
+class FingerArrays(NamedTuple):
+    """What the kernels read and write.
+
+    Their types do not depend on the gel, so all gels share the compiled kernels. Records cost a
+    call less than arrays do, whose owners are counted.
 
     Attributes:
         state: (1,) ``STATE``.
         rules: (1,) ``CONFIG``.
         fits: (N_FITS,) ``FIT``; the fingers of the last slice are in ``NOW``.
-        residual: (N_FITS, n, 2) float64 mm, the part of each marker's motion that each fit leaves.
-        moved: (n, 2) float64 mm, displacement of each marker.
-        weight: (n,) float64 0..1, trust in each marker.
+        markers: (1,) ``MARKERS``.
         gel: (1,) ``GEL``.
-        points: (2, n) float64 mm, the markers at rest.
-        window: (n,) float64, ``rim_window`` there.
         sites: (s, 2) float64 mm, where fingers are searched for.
         inverse: (s, 3, 3) float64, see ``measure_gains``.
         atoms: (2 n, 3 s) float32, see ``fill_responses``; half as much to read as float64.
@@ -173,29 +194,23 @@ class FingerArrays(NamedTuple):
     state: NDArray[np.void]
     rules: NDArray[np.void]
     fits: NDArray[np.void]
-    residual: Floats
-    moved: Floats
-    weight: Floats
+    markers: NDArray[np.void]
     gel: NDArray[np.void]
-    points: Floats
-    window: Floats
     sites: Floats
     inverse: Floats
     atoms: NDArray[np.float32]
 
 
 def make_arrays(n: int, sites: Floats, rules: NDArray[np.void]) -> FingerArrays:
-    """Returns the arrays for n markers, all 0 but those that are given; see ``FingerArrays``."""
+    """Returns the arrays for n markers, all else 0 that is not given; see ``FingerArrays``."""
+    gel = np.zeros(1, GEL)
+    gel["n_markers"] = n
     return FingerArrays(
         state=np.zeros(1, STATE),
         rules=rules,
         fits=np.zeros(N_FITS, FIT),
-        residual=np.zeros((N_FITS, n, 2)),
-        moved=np.zeros((n, 2)),
-        weight=np.zeros(n),
-        gel=np.zeros(1, GEL),
-        points=np.zeros((2, n)),
-        window=np.zeros(n),
+        markers=np.zeros(1, MARKERS),
+        gel=gel,
         sites=sites,
         inverse=np.zeros((len(sites), 3, 3)),
         atoms=np.zeros((2 * n, 3 * len(sites)), np.float32),

@@ -58,7 +58,7 @@ def build_columns(
     its motion against the pull of the others.
 
     Args:
-        points: (2, n) float64 mm, markers at rest.
+        points: (2, n or more) float64 mm, markers at rest.
         window: (n,) float64, ``rim_window`` at the markers.
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.
@@ -71,7 +71,7 @@ def build_columns(
         bent: (2, n) float64 mm, written: the difference of a finite turn from the linear one.
     """
     k, n = len(centres), len(window)
-    x, y = points[0], points[1]
+    x, y = points[0, :n], points[1, :n]
     owner = np.empty(n, np.int64)
     alone, answer = np.empty((3 * k, 2, n)), np.empty((N_ROWS, n))
     for i in range(n):
@@ -110,19 +110,19 @@ def build_columns(
             flow = a * a / (2.0 * HEIGHT_MM * (a * a + r2))
             press[0, i] = depth / VIEW_MM * x[i] + flow * dx
             press[1, i] = depth / VIEW_MM * y[i] + flow * dy
+    flat, own = columns.reshape(len(columns), 2 * n), alone.reshape(3 * k, 2 * n)
     for b in range(3 * k):
+        column = flat[b]
+        for i in range(2 * n):
+            column[i] = 0.0
+        for a in range(3 * k):
+            share, part = inverse[a, b], own[a]
+            for i in range(2 * n):
+                column[i] += part[i] * share
         for axis in range(2):
-            column = columns[b, axis]
-            for i in range(n):
-                column[i] = 0.0
-            for a in range(3 * k):
-                share, part = inverse[a, b], alone[a, axis]
-                for i in range(n):
-                    column[i] += part[i] * share
-            own = alone[b, axis]
             for i in range(n):
                 if owner[i] >= 0:
-                    column[i] = own[i] if owner[i] == b // 3 else 0.0
+                    columns[b, axis, i] = alone[b, axis, i] if owner[i] == b // 3 else 0.0
 
 
 @kernel(error_model="numpy", inline="always")
@@ -136,7 +136,7 @@ def build_flow(
     them. All share one flow: those that press unequally gain nothing by one each [notebook].
 
     Args:
-        points: (2, n) float64 mm, markers at rest.
+        points: (2, n or more) float64 mm, markers at rest.
         window: (n,) float64, ``rim_window`` at the markers.
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.
@@ -176,7 +176,7 @@ def build_slopes(
     """Writes how each marker moves as the fingers' places and sizes change, by finite differences.
 
     Args:
-        points: (2, n) float64 mm, markers at rest.
+        points: (2, n or more) float64 mm, markers at rest.
         window: (n,) float64, ``rim_window`` at the markers.
         centres: (k, 2) float64 mm.
         radii: (k,) float64 mm.

@@ -79,11 +79,11 @@ def refine(arrays: Any, place: int, n_steps: int) -> None:
             else in it then has a meaning.
         n_steps: of Gauss-Newton; 0 keeps centres and radii.
     """
-    fit, residual = arrays.fits[place], arrays.residual[place]
-    moved, weight, gel, rules = arrays.moved, arrays.weight, arrays.gel[0], arrays.rules[0]
+    fit, markers, gel, rules = arrays.fits[place], arrays.markers[0], arrays.gel[0], arrays.rules[0]
+    n, k, trust = gel.n_markers, fit.count, arrays.fits[NOW].trust[:]
+    moved, weight, residual = markers.moved[:n], markers.weight[:n], markers.residual[place, :n]
     noise_mm, model_error = arrays.state[0].noise_mm, rules.model_error
-    points, window, rim_mm = arrays.points, arrays.window, gel.rim_mm
-    n, k, trust = len(weight), fit.count, arrays.fits[NOW].trust[:]
+    points, window, rim_mm = markers.points, markers.window[:n], gel.rim_mm
     centres, radii, motions = fit.centres[:k], fit.radii[:k], fit.motions[:k]
     known = np.empty((k, 2))
     for j in range(k):

@@ -42,7 +42,7 @@ def follow(arrays: Any, moved_px: Floats, use: NDArray[np.bool_]) -> None:
         moved_px: (n, 2) float64 px, displacement of each marker.
         use: (n,) bool, True for measured markers.
     """
-    _to_mm(moved_px, arrays.gel[0].rig, arrays.moved)
+    _to_mm(moved_px, arrays.gel[0].rig, arrays.markers[0].moved[: len(use)])
     total, field = find_fingers(arrays, use)
     fingers, fit = arrays.state[0], arrays.fits[NOW]
     motion, step_us = fingers.motion, fingers.slice.step_us
@@ -57,7 +57,7 @@ def follow(arrays: Any, moved_px: Floats, use: NDArray[np.bool_]) -> None:
     fingers.standing_y_mm += share * y
     motion.sway_mm, motion.error_mm = math.hypot(x, y), 0.0
     motion.x_mm = motion.y_mm = motion.rotation_rad = 0.0
-    motion.is_lost = n > 0 and is_lost(arrays, NOW, total, field)
+    motion.is_lost = n > 0 and is_lost(fit, fingers, arrays.rules[0], total, field)
     motion.parts_mm[:] = 0.0
     _take_along(fit, fingers, step_us)
     if n == 0:

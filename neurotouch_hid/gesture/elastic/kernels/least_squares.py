@@ -16,28 +16,42 @@ def accumulate(
 ) -> None:
     """Writes the normal equations of the weighted least squares, lower half.
 
-    The order of the sums is free, so that a processor adds several products at once.
+    The order of the sums is free, so that a processor adds several products at once. Two rows and
+    two columns at once need half as many numbers from memory.
 
     Args:
         columns: (m or more, 2, n) float64.
         target: (2, n) float64 mm, displacements.
         weight: (n,) float64, trust in each marker.
-        normal: (m, m) float64, its lower half is written.
+        normal: (m, m) float64, its lower half is written; what is above has no meaning.
         right: (m, 1) float64, written.
     """
     m, n = len(normal), len(weight)
-    x, y = np.empty(n), np.empty(n)
-    for a in range(m):
-        value = 0.0
-        for i in range(n):
-            x[i], y[i] = weight[i] * columns[a, 0, i], weight[i] * columns[a, 1, i]
-            value += x[i] * target[0, i] + y[i] * target[1, i]
-        right[a, 0] = value
-        for b in range(a + 1):
-            value = 0.0
+    flat, goal = columns.reshape(len(columns), 2 * n), target.reshape(2 * n)
+    weighted = np.empty((2, 2 * n))
+    for a in range(0, m, 2):
+        next_a = min(a + 1, m - 1)  # the last of an odd number counts as both
+        for row in range(2):
+            column, own = flat[min(a + row, m - 1)], weighted[row]
             for i in range(n):
-                value += x[i] * columns[b, 0, i] + y[i] * columns[b, 1, i]
-            normal[a, b] = value
+                own[i], own[n + i] = weight[i] * column[i], weight[i] * column[n + i]
+        first, second = weighted[0], weighted[1]
+        x = y = 0.0
+        for i in range(2 * n):
+            x += first[i] * goal[i]
+            y += second[i] * goal[i]
+        right[a, 0], right[next_a, 0] = x, y
+        for b in range(0, a + 2, 2):
+            next_b = min(b + 1, m - 1)
+            left, other = flat[b], flat[next_b]
+            xx = xy = yx = yy = 0.0
+            for i in range(2 * n):
+                xx += first[i] * left[i]
+                xy += first[i] * other[i]
+                yx += second[i] * left[i]
+                yy += second[i] * other[i]
+            normal[a, b], normal[a, next_b] = xx, xy
+            normal[next_a, b], normal[next_a, next_b] = yx, yy
 
 
 @kernel(inline="always")

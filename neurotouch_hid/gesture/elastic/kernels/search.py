@@ -1,6 +1,7 @@
 """Compiled rules that keep, add and remove fingers, and search for new ones.
 
-Fingers that explain a field are in the places of ``FingerArrays.fits``.
+Fingers that explain a field are in the places of ``FingerArrays.fits``. Whoever needs all arrays is
+compiled into its caller: to hand them over costs more than a small kernel does.
 """
 
 import math
@@ -46,21 +47,22 @@ def find_fingers(arrays: Any, use: NDArray[np.bool_]) -> tuple[float, float]:
         The sum of the markers' weights, and the weighted sum of their squared displacements, mm²,
         both by the fingers of the slice before.
     """
-    fingers, fits = arrays.state[0], arrays.fits
+    fingers, fits, rules = arrays.state[0], arrays.fits, arrays.rules[0]
+    markers = arrays.markers[0]
     step_us, forming = fingers.slice.step_us, fingers.slice.forming
     falling = fingers.slice.falling
     fingers.unchecked_us += step_us
     fingers.unsearched_us += step_us
     is_due = fingers.unchecked_us >= CHECK_US
     fingers.unchecked_us %= CHECK_US
-    fingers.noise_mm = max(fingers.slice.noise_mm, arrays.rules[0].least_noise_mm)
+    fingers.noise_mm = max(fingers.slice.noise_mm, rules.least_noise_mm)
     total, field, hidden = _weigh(arrays, NOW, use)
     fits[WARM] = fits[NOW]
     is_warm = fits[WARM].count > 0
     if is_warm:
         refine(arrays, WARM, STEPS_ON if is_due or forming else STEPS_NONE)
         may_doubt = fingers.unsearched_us >= CHECK_US or not math.isfinite(fits[WARM].cost)
-        is_warm = not (may_doubt and is_lost(arrays, WARM, total, field))
+        is_warm = not (may_doubt and is_lost(fits[WARM], fingers, rules, total, field))
     if is_warm and is_due:
         if not falling:  # the gel follows late, and what remains looks like one more finger
             _extend(arrays)
@@ -70,18 +72,20 @@ def find_fingers(arrays: Any, use: NDArray[np.bool_]) -> tuple[float, float]:
     found = WARM
     is_second = is_due and fingers.n_checks % 2 == 0  # alternates with _reduce
     is_hiding = is_due and not is_second and not falling
-    is_hiding = is_hiding and _hides(arrays, field, hidden)
+    is_hiding = is_hiding and _hides(fits[NOW], fingers, rules, field, hidden)
     if not is_warm or (is_second and forming) or is_hiding:
         fingers.unsearched_us = 0
         fingers.n_searches += 1
         if is_hiding:
-            weigh_markers(use, arrays.moved, arrays.moved, math.inf, arrays.weight)
+            moved = markers.moved[: len(use)]
+            weigh_markers(use, moved, moved, math.inf, markers.weight[: len(use)])
         is_cold = _search(arrays)
         if is_cold and is_warm:
             if is_hiding:
                 is_cold = _weigh(arrays, BEST, use)[0] - total > LEAST_REGAINED
             else:
-                is_cold = _score(arrays, BEST) < 0.9 * _score(arrays, WARM)
+                least = 0.9 * _score(fits[WARM], fingers, rules)
+                is_cold = _score(fits[BEST], fingers, rules) < least
         if is_cold:
             found = BEST
         elif not is_warm:
@@ -90,70 +94,70 @@ def find_fingers(arrays: Any, use: NDArray[np.bool_]) -> tuple[float, float]:
     return total, field
 
 
-@kernel
+@kernel(inline="always")
 def _weigh(arrays: Any, place: int, use: NDArray[np.bool_]) -> tuple[float, float, float]:
     """Updates the trust in each marker by what a fit leaves of it; see ``weigh_markers``.
 
     How much of it an error may be depends on the fit of the last slice.
     """
-    residual, limit2 = arrays.moved, math.inf
-    if arrays.fits[place].count > 0:
-        rules = arrays.rules[0]
+    markers, fits, rules = arrays.markers[0], arrays.fits, arrays.rules[0]
+    n = arrays.gel[0].n_markers
+    moved, weight = markers.moved[:n], markers.weight[:n]
+    residual, limit2 = moved, math.inf
+    if fits[place].count > 0:
         error2 = arrays.state[0].noise_mm ** 2
-        error2 += (rules.model_error * arrays.fits[NOW].largest_mm) ** 2
-        residual, limit2 = arrays.residual[place], rules.outlier**2 * error2
-    total, field, hidden = weigh_markers(use, arrays.moved, residual, limit2, arrays.weight)
+        error2 += (rules.model_error * fits[NOW].largest_mm) ** 2
+        residual, limit2 = markers.residual[place, :n], rules.outlier**2 * error2
+    total, field, hidden = weigh_markers(use, moved, residual, limit2, weight)
     return total, field, hidden
 
 
 @kernel
-def is_lost(arrays: Any, place: int, total: float, field: float) -> bool:
+def is_lost(fit: Any, fingers: Any, rules: Any, total: float, field: float) -> bool:
     """Returns True if the fingers of a fit overlap or explain too little of the field.
 
     Args:
-        arrays: see ``FingerArrays``.
-        place: of the fit.
+        fit: record of the fit.
+        fingers: record of the state.
+        rules: record of ``CONFIG``.
         total: the sum of the markers' weights.
         field: the weighted sum of their squared displacements, mm².
     """
-    error = 2.0 * total * arrays.state[0].noise_mm ** 2
-    unexplained = arrays.rules[0].most_unexplained * (field - error)
-    most = max(unexplained, _required(arrays, place))
-    return not (_are_apart(arrays, place) and arrays.fits[place].cost - error < most)
+    error = 2.0 * total * fingers.noise_mm**2
+    unexplained = rules.most_unexplained * (field - error)
+    most = max(unexplained, _required(fit, fingers, rules))
+    return not (_are_apart(fit, rules) and fit.cost - error < most)
 
 
 @kernel
-def _hides(arrays: Any, field: float, hidden: float) -> bool:
+def _hides(fit: Any, fingers: Any, rules: Any, field: float, hidden: float) -> bool:
     """Returns True if the markers that have lost their trust move as much as under a finger.
 
     They seem to follow wrong dots. But fingers that were found while a hand only pressed can be at
     wrong places: then what the hand drags has no trust, and no fit and no search sees it.
     """
-    least = max(arrays.rules[0].most_hidden * (field + hidden), _required(arrays, NOW))
-    has_hidden: bool = arrays.fits[NOW].count > 0 and hidden > least
+    least = rules.most_hidden * (field + hidden)
+    has_hidden: bool = fit.count > 0 and hidden > max(least, _required(fit, fingers, rules))
     return has_hidden
 
 
 @kernel
-def _required(arrays: Any, place: int) -> float:
+def _required(fit: Any, fingers: Any, rules: Any) -> float:
     """Returns the sum of squares that a finger must explain, mm²."""
-    rules, noise_mm = arrays.rules[0], arrays.state[0].noise_mm
-    largest_mm = arrays.fits[place].largest_mm
-    required: float = rules.noise_gain * noise_mm**2 + rules.field_gain * largest_mm**2
+    required: float = rules.noise_gain * fingers.noise_mm**2 + rules.field_gain * fit.largest_mm**2
     return required
 
 
 @kernel
-def _score(arrays: Any, place: int) -> float:
+def _score(fit: Any, fingers: Any, rules: Any) -> float:
     """Returns the residual of a fit plus the required sums of its fingers, mm²: less is better."""
-    fit = arrays.fits[place]
-    sum_mm2: float = fit.cost + fit.count * _required(arrays, place)
+    sum_mm2: float = fit.cost + fit.count * _required(fit, fingers, rules)
     return sum_mm2
 
 
 @kernel
-def _are_apart(arrays: Any, place: int) -> bool:
-    fit, least_mm = arrays.fits[place], 0.85 * arrays.rules[0].spacing_mm
+def _are_apart(fit: Any, rules: Any) -> bool:
+    least_mm = 0.85 * rules.spacing_mm
     for i in range(fit.count):
         for j in range(i):
             dx = fit.centres[i, 0] - fit.centres[j, 0]
@@ -163,20 +167,22 @@ def _are_apart(arrays: Any, place: int) -> bool:
     return True
 
 
-@kernel
+@kernel(inline="always")
 def _find(arrays: Any, place: int, least: float) -> tuple[int, float]:
     """Returns the site where one more finger explains most, and how much, mm².
 
     If that is less than ``least``, it may be any site.
     """
     fit, fresh_mm = arrays.fits[place], arrays.rules[0].fresh_mm
+    markers, n = arrays.markers[0], arrays.gel[0].n_markers
     arrays.state[0].n_asked += 1
     known = fit.centres[: fit.count]
-    site, gain = find_site(arrays, arrays.residual[place], arrays.weight, known, fresh_mm, least)
+    residual, weight = markers.residual[place, :n], markers.weight[:n]
+    site, gain = find_site(arrays, residual, weight, known, fresh_mm, least)
     return site, gain
 
 
-@kernel
+@kernel(inline="always")
 def _add(arrays: Any, place: int, site: int) -> None:
     """Adds a finger at a site."""
     fit = arrays.fits[place]
@@ -190,18 +196,20 @@ def _add(arrays: Any, place: int, site: int) -> None:
     refine(arrays, place, STEPS_MORE)
 
 
-@kernel
+@kernel(inline="always")
 def _take(arrays: Any, to: int, place: int) -> None:
     """Copies a fit with its residual to another place."""
     arrays.fits[to] = arrays.fits[place]
-    arrays.residual[to] = arrays.residual[place]
+    residual = arrays.markers[0].residual
+    for i in range(arrays.gel[0].n_markers):
+        residual[to, i, 0], residual[to, i, 1] = residual[place, i, 0], residual[place, i, 1]
 
 
-@kernel
+@kernel(inline="always")
 def _extend(arrays: Any) -> None:
     """Adds a finger to those that are followed, if it explains enough of several markers."""
-    fits, residual, rules = arrays.fits, arrays.residual, arrays.rules[0]
-    required = _required(arrays, WARM)
+    fits, markers, rules = arrays.fits, arrays.markers[0], arrays.rules[0]
+    required = _required(fits[WARM], arrays.state[0], rules)
     if fits[WARM].count >= rules.most or fits[WARM].cost < rules.sure * 0.4 * required:
         return  # no finger explains more than is left
     site, gain = _find(arrays, WARM, 0.4 * required)
@@ -209,13 +217,15 @@ def _extend(arrays: Any) -> None:
         return
     fits[TRIED] = fits[WARM]
     _add(arrays, TRIED, site)
-    if find_lone(residual[WARM], residual[TRIED], arrays.weight) >= 0:
+    n = arrays.gel[0].n_markers
+    before, after = markers.residual[WARM, :n], markers.residual[TRIED, :n]
+    if find_lone(before, after, markers.weight[:n]) >= 0:
         return
-    if fits[WARM].cost - fits[TRIED].cost > required and _are_apart(arrays, TRIED):
+    if fits[WARM].cost - fits[TRIED].cost > required and _are_apart(fits[TRIED], rules):
         _take(arrays, WARM, TRIED)
 
 
-@kernel
+@kernel(inline="always")
 def _reduce(arrays: Any) -> None:
     """Removes one followed finger, if it explains too little; tries a different one each time."""
     fit, less = arrays.fits[WARM], arrays.fits[TRIED]
@@ -230,18 +240,20 @@ def _reduce(arrays: Any) -> None:
         for p in range(3):
             less.motions[j, p] = fit.motions[j + 1, p]
     refine(arrays, TRIED, STEPS_LESS)
-    if less.cost - fit.cost < arrays.rules[0].keep * _required(arrays, WARM):
+    rules = arrays.rules[0]
+    if less.cost - fit.cost < rules.keep * _required(fit, arrays.state[0], rules):
         _take(arrays, WARM, TRIED)
 
 
-@kernel
+@kernel(inline="always")
 def _search(arrays: Any) -> bool:
     """Searches for fingers from nothing, the strongest first; returns False if there are none.
 
     The best fit is in ``BEST`` afterwards. A marker that makes a finger alone loses its trust.
     """
-    fit, residual, rules = arrays.fits[COLD], arrays.residual[COLD], arrays.rules[0]
-    fingers, moved, weight = arrays.state[0], arrays.moved, arrays.weight
+    fit, best, rules = arrays.fits[COLD], arrays.fits[BEST], arrays.rules[0]
+    fingers, markers, n = arrays.state[0], arrays.markers[0], arrays.gel[0].n_markers
+    moved, weight, residual = markers.moved[:n], markers.weight[:n], markers.residual[COLD, :n]
     fit.count = 0
     x, y = find_common(moved, weight)
     part = measure_sway(moved, weight, x, y) / max(math.hypot(x, y), 1e-9)
@@ -269,15 +281,15 @@ def _search(arrays: Any) -> bool:
             if fit.largest_mm < rules.least_mm:
                 return False
             _take(arrays, BEST, COLD)
-        elif _are_apart(arrays, COLD) and _score(arrays, COLD) < _score(arrays, BEST):
+        elif _are_apart(fit, rules) and _score(fit, fingers, rules) < _score(best, fingers, rules):
             _take(arrays, BEST, COLD)
-        least = 0.3 * _required(arrays, COLD)
+        least = 0.3 * _required(fit, fingers, rules)
         if fit.cost < rules.sure * least:
             break
-    return bool(fit.count > 0 and arrays.fits[BEST].largest_mm >= rules.least_mm)
+    return bool(fit.count > 0 and best.largest_mm >= rules.least_mm)
 
 
-@kernel
+@kernel(inline="always")
 def _accept(arrays: Any, place: int, n_checks: float) -> None:
     """Makes a fit that of this slice; fingers keep the names of those that were near."""
     old, new = arrays.fits[NOW], arrays.fits[place]
