@@ -175,7 +175,7 @@ MARKERS: Final = np.dtype(
 
 
 class FingerArrays(NamedTuple):
-    """What the kernels read and write.
+    """The arrays that the kernels read and write.
 
     Their types do not depend on the gel, so all gels share the compiled kernels. Records cost a
     call less than arrays do, whose owners are counted.

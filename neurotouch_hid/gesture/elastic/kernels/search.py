@@ -1,7 +1,7 @@
 """Compiled rules that keep, add and remove fingers, and search for new ones.
 
-Fingers that explain a field are in the places of ``FingerArrays.fits``. Whoever needs all arrays is
-compiled into its caller: to hand them over costs more than a small kernel does.
+Fingers that explain a field are in the places of ``FingerArrays.fits``. A rule that needs all
+arrays is compiled into its caller: to hand them over costs more than a small kernel does.
 """
 
 import math
