@@ -147,7 +147,7 @@ class KindDecider:
             noise_mm: error of a marker on one axis.
             rest_age_us: how long ago the gel was seen at rest, if a frame has just told so.
         """
-        # More exact than a kernel's, which knows no length of three.
+        # Here, because kernels have no length of three numbers that is as exact.
         error_mm = math.hypot(self._config.unsure_mm, noise_mm / 3.0, 0.02 * self._peak_mm.item())
         kind, self.confidence, self.is_forming, self.is_falling = self._decide(
             step_us, noise_mm, error_mm, _NEVER_US if rest_age_us is None else rest_age_us
