@@ -145,15 +145,14 @@ class Mapping:
         )
 
     def _run(self, reading: ConditionedGesture) -> Outputs:
-        wanted = self._hear_safety(reading)
-        outputs = Outputs()
+        wanted, outputs = self._hear_safety(reading), None
         if self._state == "running" and not wanted:
             outputs = self._layers.run(reading, wanted)
         elif self._state == "paused" and not wanted:
             self._layers.listen(reading, wanted)
         for command in wanted:
             self._apply(command)
-        return outputs if self._state == "running" else Outputs()
+        return outputs if outputs is not None and self._state == "running" else Outputs()
 
     def _hear_safety(self, reading: ConditionedGesture) -> list[str]:
         """Returns the commands of safety gestures that have just been held long enough.

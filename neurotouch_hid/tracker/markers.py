@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,17 +10,17 @@ from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame, MarkerField, RestField
 from neurotouch_hid.process.kernel_cache import bind
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
+from neurotouch_hid.tracker.config import TrackerConfig, make_tracks
 from neurotouch_hid.tracker.correction import FrameCorrection
 from neurotouch_hid.tracker.flicker import Flicker, FlickerFilter
 from neurotouch_hid.tracker.frame_identity import FrameIdentity
-from neurotouch_hid.tracker.kernels import correction, nearest, rigid
+from neurotouch_hid.tracker.kernels import correction, rigid
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US
 from neurotouch_hid.tracker.kernels.slow_motion import forget_steps
 from neurotouch_hid.tracker.quiet_return import QuietReturn
 
-_PAST = 64  # checks remembered: at least 128 ms, longer than exposure and delay of a frame
 _MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed, or the rig was bumped
 _MAX_OWN_PX = 1.0  # markers whose own errors are larger are others than those before
 _RIG_PX = 0.35  # the rest position follows a rig that has moved farther with a time constant ...
@@ -34,73 +33,9 @@ _EDGE = 3.0  # standard deviations from its centre to the edge of a blurred dot
 _MEAN_ANCHORS = 16  # the rest position begins as the mean of so many frames
 _NOISE_SIZES = 2.5  # medians of its size; random errors in a plane exceed it one time in 75
 _LONGEST_US = 200_000  # longest time that one rest position counts for
-_NEVER_US = -(1 << 60)
 _EVENTLESS_US = 1_000_000  # after this time without an event, frames alone show where markers go
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
-
-
-@dataclass(frozen=True, slots=True)
-class TrackerConfig:
-    """Settings of the event filter and of the checks.
-
-    Attributes:
-        gate_px: an event farther from every marker than this belongs to none; at most 3.5.
-            That is a third of the pitch: markers that are pressed together come within 3.5 px.
-        r_px2: variance of an event about its marker's centre, px². Larger than the marker: its
-            events are not independent of each other.
-        spread_px: the farther beyond this distance, the more an event counts as noise.
-        q_x: growth of a position's variance, px²/s.
-        q_v: growth of a velocity's variance, px²/s³.
-        memory_us: a velocity fades within this time if a marker makes no events.
-        quiet_us: the longer the interval between events beyond this, the more they count as noise.
-        check_us: time between two checks, up to 8 ms while nothing moves; every second check
-            compares neighbours.
-        max_stray_px: part of the largest distance of a marker from the median of its neighbours'
-            displacements.
-        max_stray_ratio: the other part of that distance, in spreads of these displacements. Near
-            the edge of a finger they differ by many pixels.
-        rate_us: time over which the rate of a marker's events is averaged.
-        n_sigma: a rate is motion if it is this many standard deviations above that of the noise.
-        search: ``tiles`` finds the marker of an event in the list of the event's tile; ``all``
-            compares all markers, the plain way that the lists are measured against.
-        lead_px: distance by which ON events of a fast bright marker are ahead of its centre, and
-            OFF events behind it: the centre of a half circle of 1.25 px plus some blur.
-    """
-
-    gate_px: float = 3.5
-    r_px2: float = 10.0
-    spread_px: float = 4.0
-    q_x: float = 5.0
-    q_v: float = 1e6
-    memory_us: int = 20_000
-    quiet_us: int = 150
-    check_us: int = 2_000
-    max_stray_px: float = 4.0
-    max_stray_ratio: float = 2.0
-    rate_us: int = 20_000
-    n_sigma: float = 3.0
-    lead_px: float = 1.0
-    search: Literal["tiles", "all"] = "tiles"
-
-    def tuning(self) -> track_kernels.Tuning:
-        """Returns these settings for the kernels."""
-        return track_kernels.Tuning(
-            self.gate_px,
-            self.r_px2,
-            self.spread_px,
-            self.q_x,
-            self.q_v,
-            self.memory_us * track_kernels.SECOND,
-            self.quiet_us * track_kernels.SECOND,
-            self.check_us,
-            self.max_stray_px,
-            self.max_stray_ratio,
-            self.rate_us * track_kernels.SECOND,
-            self.n_sigma,
-            self.lead_px,
-            self.search == "all",
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,43 +57,13 @@ class TrackerStats:
     n_valid: int
 
 
-def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_kernels.Tracks:
-    """Returns tracks of n markers without positions.
-
-    Args:
-        neighbours: (n, 8) intp, the lattice neighbours of each, -1 where there is none.
-        config: of the event filter.
-    """
-    n, n_tiles = len(neighbours), nearest.ROWS * nearest.COLUMNS
-    return track_kernels.Tracks(
-        state=np.zeros(n, track_kernels.MARKER),
-        targets=nearest.Targets(
-            aim_px=np.zeros((n, 2, 2)),
-            near=np.zeros((nearest.CAPACITY, n_tiles), np.uint16),
-            n_near=np.zeros(n_tiles, np.uint8),
-            listed=np.zeros(n, nearest.PLACE),
-        ),
-        n_new=np.zeros(n, np.int64),
-        rate_hz=np.zeros(n),
-        r_px2=np.full((n, 2), config.r_px2),
-        lost=np.zeros(n, np.bool_),
-        rest_px=np.full((n, 2), np.nan),
-        neighbours=neighbours.copy(),  # writeable, because kernels are compiled for one type only
-        steps=np.zeros((n, 2)),
-        steps_s=np.zeros((n, 2)),
-        long_steps_s=np.zeros((n, 2)),
-        moved_px_s=np.zeros((n, 2)),
-        past_px=np.zeros((_PAST, n, 2)),
-        past_us=np.full(_PAST, -1, np.int64),
-        common=np.array(
-            [(0, 0, 0, _NEVER_US, _NEVER_US, 0, 0, 0.0, 0.0, False, False, 0.0, 0.0)],
-            track_kernels.COMMON,
-        ),
-    )
-
-
 class MarkerTracker:
-    """Follows the markers of a gel from the first rest position on."""
+    """Follows the markers of a gel from the first rest position on.
+
+    Attributes:
+        has_events: the camera has sent an event.
+        follows_frames: no events come, so that frames alone show where the markers go.
+    """
 
     def __init__(
         self,
@@ -192,8 +97,8 @@ class MarkerTracker:
         self._anchor_us = 0
         self._end_us: int | None = None
         self._n_events = self._n_anchors = self._n_gaps = 0
-        self._event_us: int | None = None  # the end of the last slice with events
-        self._follows_frames = False
+        self.has_events, self.follows_frames = False, False
+        self._event_us = 0  # the end of the last slice with events
         self._last_pixels: NDArray[np.uint8] | None = None
         self._n_mean = 0  # frames in the mean that the rest position is
 
@@ -203,21 +108,11 @@ class MarkerTracker:
         return self._flicker.flicker
 
     @property
-    def follows_frames(self) -> bool:
-        """True while no events come, so that frames alone show where the markers go."""
-        return self._follows_frames
-
-    @property
-    def has_events(self) -> bool:
-        """True once the camera has sent an event."""
-        return self._event_us is not None
-
-    @property
     def is_frameless(self) -> bool:
         """True while the markers are followed by events, and no frame has shown them for 0.5 s."""
         if not self._anchored or self._end_us is None or self.follows_frames:
             return False
-        return self._end_us - int(self._last_frame_us.item()) >= FRAMELESS_US
+        return bool(self._end_us - self._last_frame_us.item() >= FRAMELESS_US)
 
     @property
     def is_unsure(self) -> bool:
@@ -261,11 +156,11 @@ class MarkerTracker:
     def update(self, packet: EventPacket) -> MarkerField:
         """Returns all markers at the end of a slice."""
         if len(packet.events):
-            self._event_us = packet.t_end_us
+            self.has_events, self._event_us = True, packet.t_end_us
         self._finder.is_fine = not self.has_events
-        is_alone = self._event_us is None or packet.t_end_us - self._event_us > _EVENTLESS_US
-        if is_alone is not self._follows_frames:
-            self._follows_frames = is_alone
+        is_alone = not self.has_events or packet.t_end_us - self._event_us > _EVENTLESS_US
+        if is_alone is not self.follows_frames:
+            self.follows_frames = is_alone
             self._tracks.common["frames_alone"] = is_alone
         events = self._gel.lighten_events(packet.events)
         if not (events.flags.writeable and events.flags.c_contiguous):

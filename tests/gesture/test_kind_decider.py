@@ -3,20 +3,31 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.gesture.elastic.fingers import FingerMotion
+from neurotouch_hid.gesture.elastic.fingers import MOTION
 from neurotouch_hid.gesture.elastic.kind_decider import KindDecider
 from neurotouch_hid.messages import GestureKind
+
+
+class Decider(KindDecider):
+    """One that is told the motion of each slice of 10 ms."""
+
+    def __init__(self):
+        self.motion = np.zeros(1, MOTION)
+        super().__init__(self.motion)
+
+    def tell(self, *motion, noise_mm=0.05, rest_age_us=None):
+        self.motion[0] = motion
+        self.update(10_000, noise_mm, rest_age_us)
+        return self.kind
 
 
 def push(
     decision, size_mm, *, sway_mm=0.0, error_mm=0.0, is_lost=False, noise_mm=0.05, rest_age_us=None
 ):
     """One slice of 10 ms in which one finger drags by ``size_mm``."""
-    parts_mm = np.array([0.0, size_mm, 0.0, 0.0, 0.0, 0.0])
-    motion = FingerMotion(
-        1, size_mm, size_mm, sway_mm, error_mm, is_lost, 0.0, 0.0, 0.0, 1.0, parts_mm
-    )
-    decision.update(10_000, motion, noise_mm, rest_age_us)
+    parts_mm = [0.0, size_mm, 0.0, 0.0, 0.0, 0.0]
+    motion = 1, size_mm, size_mm, sway_mm, error_mm, is_lost, 0.0, 0.0, 0.0, 1.0, parts_mm
+    decision.tell(*motion, noise_mm=noise_mm, rest_age_us=rest_age_us)
 
 
 @pytest.mark.parametrize(
@@ -28,14 +39,14 @@ def push(
     ],
 )
 def test_a_finger_that_noise_may_have_drawn_begins_no_gesture(noise_mm, size_mm, kind):
-    decision = KindDecider()
+    decision = Decider()
     for _ in range(10):
         push(decision, size_mm, noise_mm=noise_mm)
     assert decision.kind is kind
 
 
 def test_no_gesture_begins_while_the_gel_sways():
-    quiet, swaying, steady = KindDecider(), KindDecider(), KindDecider()
+    quiet, swaying, steady = Decider(), Decider(), Decider()
     for _ in range(3):
         push(quiet, 0.6)
         push(swaying, 0.6, sway_mm=0.4)
@@ -51,7 +62,7 @@ def test_no_gesture_begins_while_the_gel_sways():
 
 def test_motion_that_fingers_do_not_explain_is_a_knock_while_the_gel_moves():
     def begin(size_mm, sway_mm, error_mm):
-        decision = KindDecider()
+        decision = Decider()
         for _ in range(3):
             push(decision, size_mm, sway_mm=sway_mm, error_mm=error_mm)
         return decision.kind
@@ -80,7 +91,7 @@ def press_and_release(decision, left_mm, most_mm=5.0):
     ],
 )
 def test_tracks_that_stay_behind_are_no_gesture(left_mm, error_mm, n_lost, kind):
-    decision = KindDecider()
+    decision = Decider()
     press_and_release(decision, left_mm)
     for _ in range(n_lost):
         push(decision, left_mm, error_mm=error_mm, is_lost=True)
@@ -88,7 +99,7 @@ def test_tracks_that_stay_behind_are_no_gesture(left_mm, error_mm, n_lost, kind)
 
 
 def test_a_gesture_that_goes_on_does_not_end_because_its_fingers_are_lost():
-    decision = KindDecider()
+    decision = Decider()
     for size_mm in (0.5, 0.7, 0.9, 1.0, 1.0, 1.0):
         push(decision, size_mm, error_mm=0.2, is_lost=True)
     assert decision.kind is GestureKind.PUSH
@@ -104,14 +115,14 @@ def test_a_gesture_that_goes_on_does_not_end_because_its_fingers_are_lost():
     ],
 )
 def test_fingers_that_leave_a_gel_seen_at_rest_end_the_gesture(left_mm, rest_age_us, kind):
-    decision = KindDecider()
+    decision = Decider()
     press_and_release(decision, left_mm)
     push(decision, left_mm, rest_age_us=rest_age_us)
     assert decision.kind is kind
 
 
 def test_a_soft_touch_that_begins_is_not_ended_by_a_frame_at_rest():
-    decision = KindDecider()
+    decision = Decider()
     for size_mm in (0.3, 0.32, 0.34):
         push(decision, size_mm)
     push(decision, 0.36, rest_age_us=5_000)
@@ -120,7 +131,7 @@ def test_a_soft_touch_that_begins_is_not_ended_by_a_frame_at_rest():
 
 def test_a_gesture_ends_the_later_the_smaller_it_was():
     def least(most_mm):
-        decision, size_mm = KindDecider(), most_mm
+        decision, size_mm = Decider(), most_mm
         while decision.kind is not GestureKind.NONE or size_mm == most_mm:
             push(decision, size_mm)
             size_mm -= 0.01
@@ -132,7 +143,7 @@ def test_a_gesture_ends_the_later_the_smaller_it_was():
 
 @pytest.mark.parametrize(("left_mm", "is_believed"), [(4.5, True), (0.4, False)])
 def test_people_see_less_of_a_gesture_that_ends_than_of_one_that_goes_on(left_mm, is_believed):
-    decision = KindDecider()
+    decision = Decider()
     for size_mm in (2.0, 4.0, 6.0, 6.0, *np.linspace(6.0, left_mm, 10)):
         push(decision, size_mm)
     assert decision.is_falling
@@ -147,16 +158,14 @@ def test_a_type_that_hardly_leads_is_not_final_yet():
     """Two fingers push unequally: at 2 mm that looks as much like a twist."""
 
     def drag(push_mm, twist_mm):
-        parts_mm = np.array([0.0, push_mm, 0.0, 0.0, twist_mm, 0.0])
-        motion = FingerMotion(2, 2.5, 2.5, 0.0, 0.0, False, 0.0, 0.0, 0.1, 1.0, parts_mm)
-        decision.update(10_000, motion, 0.05)
-        return decision.kind
+        parts_mm = [0.0, push_mm, 0.0, 0.0, twist_mm, 0.0]
+        return decision.tell(2, 2.5, 2.5, 0.0, 0.0, False, 0.0, 0.0, 0.1, 1.0, parts_mm)
 
-    decision = KindDecider()
+    decision = Decider()
     assert {drag(0.9, 0.95) for _ in range(10)} == {GestureKind.TWIST_CW}
-    assert not decision.is_latched
+    assert decision.is_forming
     assert [drag(3.0, 1.4) for _ in range(20)][-1] is GestureKind.PUSH
-    assert decision.is_latched
+    assert not decision.is_forming
 
 
 @pytest.mark.parametrize(
@@ -164,7 +173,7 @@ def test_a_type_that_hardly_leads_is_not_final_yet():
     [(8.0, 20_000, False), (8.0, 200_000, True), (1.0, 20_000, True)],
 )
 def test_the_swing_of_a_released_gel_is_no_gesture(largest_mm, pause_us, begins):
-    decision = KindDecider()
+    decision = Decider()
     swing = [*[largest_mm] * 10, *[0.0] * (pause_us // 10_000), 0.6, 0.6]
     for size_mm in swing:
         push(decision, size_mm)
@@ -173,17 +182,15 @@ def test_the_swing_of_a_released_gel_is_no_gesture(largest_mm, pause_us, begins)
 
 def test_a_tap_keeps_its_type_while_the_fingers_leave():
     def twist(size_mm):
-        parts_mm = np.array([0.0, 0.0, 0.0, 0.0, 8.0, 0.0])
-        motion = FingerMotion(1, size_mm, size_mm, 0.0, 0.0, False, 0.0, 0.0, 0.1, 1.0, parts_mm)
-        decision.update(10_000, motion, 0.05)
-        return decision.kind
+        parts_mm = [0.0, 0.0, 0.0, 0.0, 8.0, 0.0]
+        return decision.tell(1, size_mm, size_mm, 0.0, 0.0, False, 0.0, 0.0, 0.1, 1.0, parts_mm)
 
-    decision = KindDecider()
+    decision = Decider()
     for size_mm in (2.0, 5.0, 4.5):
         push(decision, size_mm)
     left = [twist(size_mm) for size_mm in (3.0, 1.5, 0.8, 0.5, 0.35)]  # what swings back
     assert set(left) == {GestureKind.PUSH}
-    assert not decision.is_latched  # the tap was too short
+    assert decision.is_forming  # the tap was too short
     assert [twist(size_mm) for size_mm in (1.0, 2.0, 3.0, 3.0)][-1] is GestureKind.TWIST_CW
 
 
@@ -192,7 +199,7 @@ def test_a_tap_keeps_its_type_while_the_fingers_leave():
     [(0.75, 0.0, GestureKind.NONE), (0.75, 0.15, GestureKind.PUSH), (2.0, 0.0, GestureKind.PUSH)],
 )
 def test_what_the_gel_keeps_of_a_large_gesture_is_none(left_mm, tremble_mm, kind):
-    decision = KindDecider()
+    decision = Decider()
     sizes_mm = [*np.linspace(1.0, 15.0, 15), *np.linspace(15.0, left_mm, 15)]
     for size_mm in (*sizes_mm, *(left_mm + tremble_mm * np.sin(0.6 * np.arange(30)))):
         push(decision, size_mm)
@@ -204,7 +211,7 @@ def test_what_the_gel_keeps_of_a_large_gesture_is_none(left_mm, tremble_mm, kind
 
 
 def test_a_gel_is_learnt_that_keeps_a_part_of_each_large_gesture():
-    decision = KindDecider()
+    decision = Decider()
 
     def end(left_mm):
         """Returns after how many slices a gesture of 8 mm ends, of which a part is left."""

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.tracker import TrackerConfig
+from neurotouch_hid.tracker.config import make_tracks
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.kernels.correction import (
@@ -15,7 +16,6 @@ from neurotouch_hid.tracker.kernels.correction import (
     median_size,
     recall,
 )
-from neurotouch_hid.tracker.markers import make_tracks
 from tests.reference import tracker as reference
 
 REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(PAPER_GEL.points_mm)

@@ -31,9 +31,9 @@ from neurotouch_hid.source.simulator import (
 from neurotouch_hid.source.simulator.nuisances import read_nuisances
 from neurotouch_hid.tracker import MarkerTracker, TrackerConfig
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
+from neurotouch_hid.tracker.config import make_tracks
 from neurotouch_hid.tracker.kernels import frames_alone
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
-from neurotouch_hid.tracker.markers import make_tracks
 from tests.reference import tracker as reference
 
 REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(PAPER_GEL.points_mm)

@@ -8,11 +8,11 @@ from hypothesis import strategies as st
 from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker import TrackerConfig
+from neurotouch_hid.tracker.config import make_tracks as make_empty_tracks
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import nearest as nearest_kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.kernels.neighbours import expect, find_collisions, find_tears
-from neurotouch_hid.tracker.markers import make_tracks as make_empty_tracks
 from tests.reference import tracker as reference
 
 REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(PAPER_GEL.points_mm)

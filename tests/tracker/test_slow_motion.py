@@ -5,6 +5,7 @@ import pytest
 
 from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.tracker import TrackerConfig
+from neurotouch_hid.tracker.config import make_tracks
 from neurotouch_hid.tracker.kernels.filter import check
 from neurotouch_hid.tracker.kernels.slow_motion import (
     FEW_STEPS,
@@ -18,7 +19,6 @@ from neurotouch_hid.tracker.kernels.slow_motion import (
     needs_steps,
 )
 from neurotouch_hid.tracker.kernels.tracks import note_frame
-from neurotouch_hid.tracker.markers import make_tracks
 
 CHECK_S = 2e-3
 CONFIG = TrackerConfig()

@@ -25,9 +25,9 @@ from neurotouch_hid.evaluation.speed.workload import SPREAD_PX, TOUR_US, DenseSo
 from neurotouch_hid.messages import EVENT_DTYPE, SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.tracker import TrackerConfig
+from neurotouch_hid.tracker.config import make_tracks
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
-from neurotouch_hid.tracker.markers import make_tracks
 
 RATES: Final = (0.1e6, 0.3e6, 1e6, 3e6, 6e6, 12e6)
 """Events a second: a slow push to the sensor's ceiling."""

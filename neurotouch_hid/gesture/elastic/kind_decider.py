@@ -1,10 +1,18 @@
 """Decides over sensor time when a gesture begins and ends, and which kind it is."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass, fields
+from typing import Final
 
-from neurotouch_hid.gesture.elastic.fingers import FingerMotion
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.gesture.elastic.kernels.kind import DECISION, decide, forget
 from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.process.kernel_cache import bind
+
+_KINDS: Final = tuple(GestureKind)
+_NEVER_US: Final = 1 << 60  # ago
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,194 +106,50 @@ class KindDeciderConfig:
     unsure_mm: float = 0.05
 
 
-class KindDecider:
-    """Decides the kind of one gesture at a time, from rest to rest."""
+_RULES: Final = np.dtype(
+    [(f.name, "i8" if f.name.endswith("_us") else "f8") for f in fields(KindDeciderConfig)]
+)
+"""``KindDeciderConfig`` as a record for kernels."""
 
-    def __init__(self, config: KindDeciderConfig | None = None) -> None:
+
+class KindDecider:
+    """Decides the kind of one gesture at a time, from rest to rest.
+
+    Args:
+        motion: (1,) ``MOTION``, the record into which each slice's motion is written.
+        config: thresholds and times.
+
+    Attributes:
+        kind: of the gesture; NONE at rest.
+        confidence: 0..1.
+        is_forming: True while the gesture may still become another kind.
+        is_falling: True while the fingers leave the gel.
+    """
+
+    def __init__(self, motion: NDArray[np.void], config: KindDeciderConfig | None = None) -> None:
         self._config = config or KindDeciderConfig()
-        self._least_mm = self._sway_mm = self._swing_mm = 0.0
-        self._stays_mm, self._stays_us = 0.0, 0
-        self._kept_share = self._left_by_mm = 0.0
+        rules, decision = np.array([astuple(self._config)], _RULES), np.zeros(1, DECISION)
+        self._decision, self._peak_mm = decision, motion["peak_mm"]
+        self._decide = bind(decide, decision, rules, motion)
         self.reset()
 
     def reset(self) -> None:
         """Returns to rest."""
-        self.kind = GestureKind.NONE
-        self.confidence = 1.0
-        self.is_latched = False
-        self._age_us = 0
-        self._evidence = [0.0] * len(GestureKind)
-        self._size_mm = self._most_mm = self._speed_mm_s = 0.0
-        self._is_ending = False
-        self._n_fingers = 0
-        self._above_us = self._below_us = self._left_us = self._led_us = 0
+        forget(self._decision)
+        self.kind, self.confidence = GestureKind.NONE, 1.0
+        self.is_forming, self.is_falling = True, False
 
-    @property
-    def is_forming(self) -> bool:
-        """True while the gesture may still become another kind."""
-        return self.kind is GestureKind.NONE or not self.is_latched
-
-    @property
-    def is_falling(self) -> bool:
-        """True while the fingers leave the gel."""
-        return self._speed_mm_s < -self._config.moving_mm_s
-
-    def update(
-        self, step_us: int, motion: FingerMotion, noise_mm: float, rest_age_us: int | None = None
-    ) -> None:
-        """Takes one slice.
+    def update(self, step_us: int, noise_mm: float, rest_age_us: int | None = None) -> None:
+        """Takes one slice, whose motion has been written.
 
         Args:
             step_us: time since the previous slice.
-            motion: the motion of the fingers in this slice; only ``largest_mm``, ``peak_mm``,
-                ``parts_mm``, ``n_fingers``, ``sway_mm``, ``error_mm`` and ``is_lost`` are read.
             noise_mm: error of a marker on one axis.
             rest_age_us: how long ago the gel was seen at rest, if a frame has just told so.
         """
-        size_mm = motion.peak_mm
-        config = self._config
-        self._sway_mm = max(motion.sway_mm, math.exp(-step_us / config.sway_us) * self._sway_mm)
-        self._swing_mm *= math.exp(-step_us / config.swing_us)
-        self._time_stay(step_us, motion.largest_mm)
-        if self.kind is GestureKind.NONE:
-            self._least_mm = min(self._least_mm, motion.largest_mm)
-            self._learn_kept(motion.largest_mm)
-        begins = self._is_large(motion, noise_mm) and not self._is_knock(
-            size_mm, noise_mm, motion.error_mm
+        # Here, because kernels have no length of three numbers that is as exact.
+        error_mm = math.hypot(self._config.unsure_mm, noise_mm / 3.0, 0.02 * self._peak_mm.item())
+        kind, self.confidence, self.is_forming, self.is_falling = self._decide(
+            step_us, noise_mm, error_mm, _NEVER_US if rest_age_us is None else rest_age_us
         )
-        off_mm = min(config.off_mm, config.least_off_mm + config.creep * self._most_mm)
-        off_mm += self._kept_share * self._most_mm
-        self._above_us = self._above_us + step_us if begins else 0
-        self._below_us = self._below_us + step_us if size_mm < off_mm else 0
-        self._left_us = self._left_us + step_us if self._is_left(motion, noise_mm) else 0
-        on_us = config.on_us if self._sway_mm < config.still_mm else 2 * config.on_us
-        if self.kind is GestureKind.NONE and self._above_us < on_us:
-            self._size_mm = size_mm
-            self.confidence = 1.0 - self._believe(size_mm)
-            return
-        is_over = (
-            self._below_us >= config.off_us
-            or self._left_us >= config.left_us
-            or self._is_kept(motion.largest_mm)
-            or self._is_seen_over(rest_age_us, size_mm)
-        )
-        if self.kind is not GestureKind.NONE and is_over:
-            self._swing_mm = max(self._swing_mm, config.swing * self._most_mm)
-            self._left_by_mm = self._most_mm
-            self.reset()
-            self._least_mm = motion.largest_mm
-            self.confidence = 1.0 - self._believe(size_mm)
-            return
-        self._age_us += step_us
-        self._most_mm = max(self._most_mm, size_mm)
-        if motion.n_fingers > self._n_fingers and self._age_us < config.settle_us:
-            self._evidence = [0.0] * len(GestureKind)  # fewer fingers gave it
-            self.is_latched, self._led_us = False, 0
-        self._n_fingers = motion.n_fingers
-        self._follow(step_us, size_mm)
-        if self.kind is GestureKind.NONE or self.is_latched or not self.is_falling:
-            self._weigh(step_us, motion, noise_mm)  # what leaves tells no type: the gel swings back
-        self.confidence = self._believe(size_mm) * self._prefer(size_mm, noise_mm)
-
-    def _is_large(self, motion: FingerMotion, noise_mm: float) -> bool:
-        """Returns True if people see a gesture, and it is more than what is left of the last one.
-
-        What is left is a drag. Its turn is noise, which would begin the same gesture again.
-        """
-        config = self._config
-        more_mm = config.sway_gain * self._sway_mm + self._swing_mm
-        on_mm = max(config.on_mm, config.on_noise * noise_mm)
-        is_seen = motion.peak_mm >= on_mm + more_mm
-        return is_seen and motion.largest_mm >= self._least_mm + config.again_mm + more_mm
-
-    def _is_knock(self, size_mm: float, noise_mm: float, error_mm: float) -> bool:
-        """Returns True if the whole gel moves and the fingers explain too little of the rest."""
-        config = self._config
-        if self._sway_mm < config.still_mm or size_mm >= config.latch_mm:
-            return False
-        return error_mm > max(config.messy_noise * noise_mm, config.messy_share * size_mm)
-
-    def _time_stay(self, step_us: int, size_mm: float) -> None:
-        """Measures how long the size has not changed."""
-        if abs(size_mm - self._stays_mm) > self._config.still_size_mm:
-            self._stays_mm, self._stays_us = size_mm, 0
-        else:
-            self._stays_us += step_us
-
-    def _is_kept(self, size_mm: float) -> bool:
-        """Returns True if the size is what the gel keeps of a large gesture."""
-        config = self._config
-        return self._stays_us >= config.kept_us and size_mm < config.kept * self._most_mm
-
-    def _learn_kept(self, size_mm: float) -> None:
-        """Learns which share of a large gesture the gel keeps, once nothing moves any more."""
-        config = self._config
-        if self._stays_us < config.kept_us:
-            return
-        if self._left_by_mm >= config.latch_mm:
-            share = min(size_mm / self._left_by_mm, config.kept)
-            self._kept_share += config.kept_rate * (share - self._kept_share)
-        self._left_by_mm = 0.0
-
-    def _is_left(self, motion: FingerMotion, noise_mm: float) -> bool:
-        """Returns True if the fingers leave, and what still moves does not look like fingers.
-
-        Tracks that lose their markers in a motion stay behind, each by itself.
-        """
-        if not motion.is_lost or motion.error_mm < self._config.left_noise * noise_mm:
-            return False
-        return self._is_ending and motion.peak_mm < self._config.latch_mm
-
-    def _is_seen_over(self, rest_age_us: int | None, size_mm: float) -> bool:
-        """Returns True if the fingers leave, and a frame since the begin shows the gel at rest.
-
-        The frame is late, so the fingers may be back: a large gesture goes on.
-        """
-        if rest_age_us is None or rest_age_us >= self._age_us:
-            return False
-        return self._is_ending and size_mm < self._config.latch_mm
-
-    def _believe(self, size_mm: float) -> float:
-        """Returns the probability that people see a gesture of this size."""
-        middle = 0.5 * (self._config.on_mm + self._config.off_mm)
-        if self._is_ending:
-            middle += self._config.linger_mm
-        return 1.0 / (1.0 + math.exp(-(size_mm - middle) / self._config.blur_mm))
-
-    def _prefer(self, size_mm: float, noise_mm: float) -> float:
-        """Returns the probability of the kind: its lead over the next one, in standard errors."""
-        others = self._evidence.copy()
-        lead = others.pop(self.kind) - max(others)
-        error = math.hypot(self._config.unsure_mm, noise_mm / 3.0, 0.02 * size_mm)
-        return 0.5 * (1.0 + math.erf(lead / error / 2.0))
-
-    def _follow(self, step_us: int, size_mm: float) -> None:
-        rate = (size_mm - self._size_mm) / max(step_us, 1) * 1e6
-        share = 1.0 - math.exp(-step_us / 30_000)
-        self._speed_mm_s += share * (rate - self._speed_mm_s)
-        self._size_mm = size_mm
-        if self.is_falling:
-            self._is_ending = True
-        elif self._speed_mm_s > self._config.moving_mm_s or size_mm > 0.5 * self._most_mm:
-            self._is_ending = False
-
-    def _weigh(self, step_us: int, motion: FingerMotion, noise_mm: float) -> None:
-        config = self._config
-        keep = math.exp(-step_us / config.memory_us)
-        self._evidence = [
-            keep * e + (1 - keep) * part
-            for e, part in zip(self._evidence, motion.parts_mm.tolist(), strict=True)
-        ]
-        best = GestureKind(self._evidence.index(max(self._evidence)))
-        if self.kind is GestureKind.NONE:
-            self.kind = best
-            return
-        if self.is_latched:
-            if self._evidence[best] > config.overrule * max(self._evidence[self.kind], 0.3):
-                self.kind = best
-            return
-        self._led_us = self._led_us + step_us if best is self.kind else 0
-        if self._evidence[best] > 1.1 * self._evidence[self.kind]:
-            self.kind = best
-        is_told = motion.largest_mm >= config.latch_mm and self._led_us >= config.latch_us
-        self.is_latched = is_told and self._prefer(motion.peak_mm, noise_mm) >= config.latch_sure
+        self.kind = _KINDS[kind]

@@ -28,7 +28,8 @@ class ElasticMethod:
     def __init__(self, config: GestureConfig, gel: Gel) -> None:
         is_resting = config.neutral == "resting"
         self._fingers = FingerTracker(RESTING_FINGERS if is_resting else FingerConfig(), gel)
-        self._decision = KindDecider(RESTING_KIND if is_resting else KindDeciderConfig())
+        rules = RESTING_KIND if is_resting else KindDeciderConfig()
+        self._decision = KindDecider(self._fingers.arrays.state["motion"], rules)
         self._rest_px: NDArray[np.float32] | None = None
         self._noise_mm = 0.08
         self._unmeasured_us = 0
@@ -71,7 +72,7 @@ class ElasticMethod:
         )
         rest_age_us = None if self._seen_rest_us is None else t_us - self._seen_rest_us
         self._seen_rest_us = None
-        decision.update(step_us, motion, noise_mm, rest_age_us)
+        decision.update(step_us, noise_mm, rest_age_us)
         if not motion.n_fingers:
             self._measure_noise(step_us)
             if decision.kind is GestureKind.NONE and self._remembers:

@@ -190,70 +190,76 @@ class InputConditioner:
         return mm * share, left_x, left_y
 
     def _measure_speed(self, mm: float, step_us: int) -> None:
+        memory = self._memory
         step_s = min(max(step_us, 1_000), 50_000) * 1e-6
         turn = 2.0 * math.pi * _SPEED_CUTOFF_HZ * step_s
-        speed = (mm - self._memory.mm) / step_s
-        self._memory.speed += turn / (turn + 1.0) * (speed - self._memory.speed)
-        self._memory.top_speed = max(self._memory.top_speed, self._memory.speed)
-        self._memory.mm = mm
-        if self._memory.speed > PHASE_BEGIN_MM_S:
-            self._memory.phase = "attack"
-        elif self._memory.speed < -PHASE_BEGIN_MM_S:
-            self._memory.phase = "release"
-        elif abs(self._memory.speed) < PHASE_END_MM_S:
-            self._memory.phase = "hold"
+        speed = (mm - memory.mm) / step_s
+        memory.speed += turn / (turn + 1.0) * (speed - memory.speed)
+        memory.top_speed = max(memory.top_speed, memory.speed)
+        memory.mm = mm
+        if memory.speed > PHASE_BEGIN_MM_S:
+            memory.phase = "attack"
+        elif memory.speed < -PHASE_BEGIN_MM_S:
+            memory.phase = "release"
+        elif abs(memory.speed) < PHASE_END_MM_S:
+            memory.phase = "hold"
 
     def _decide(self, kind: GestureKind, mm: float, t_us: int) -> bool:
         """Returns True once it is clear what the gesture is.
 
         Latches it as far as the profile wants.
         """
-        if self._memory.onset_us is None:
-            self._memory.onset_us = t_us
+        memory = self._memory
+        if memory.onset_us is None:
+            memory.onset_us = t_us
         if (
             self._watches_onset
-            and not self._memory.seen
+            and not memory.seen
             and mm < LATCH_MM
-            and t_us - self._memory.onset_us < ONSET_US
+            and t_us - memory.onset_us < ONSET_US
         ):
             return False
-        self._memory.seen = True
+        memory.seen = True
         if self._latch and mm >= LATCH_MM and kind in self._bound:
-            self._memory.kind = kind
+            memory.kind = kind
         elif mm < UNLATCH_MM:
-            self._memory.kind = None
+            memory.kind = None
         return True
 
     def _describe(
         self, gesture: Gesture, kind: GestureKind, mm: float, way: Vector | None
     ) -> ConditionedGesture:
-        self._memory.four = choose_direction(way, self._memory.four, 4)
-        self._memory.eight = choose_direction(way, self._memory.eight, 8)
+        memory = self._memory
+        memory.four = choose_direction(way, memory.four, 4)
+        memory.eight = choose_direction(way, memory.eight, 8)
         position = self._find_position(gesture)
-        if position is not None and self._memory.zone is None:
+        if position is not None and memory.zone is None:
             x, y = self._orient(gesture.translation_mm)
-            self._memory.zone = find_zone(position[0] - x, position[1] - y)
+            memory.zone = find_zone(position[0] - x, position[1] - y)
         return ConditionedGesture(
             gesture.t_us,
             kind,
             mm,
             way,
-            self._memory.four,
-            self._memory.eight,
-            self._memory.zone,
+            memory.four,
+            memory.eight,
+            memory.zone,
             position,
             len(gesture.contacts_mm),
-            self._memory.speed,
-            self._memory.top_speed,
-            self._memory.phase,
+            memory.speed,
+            memory.top_speed,
+            memory.phase,
         )
 
     def _find_position(self, gesture: Gesture) -> Vector | None:
+        """Returns the mean of the contacts."""
         points = gesture.contacts_mm.tolist()
         if not points:
             return None
-        x = sum(point[0] for point in points) / len(points)
-        y = sum(point[1] for point in points) / len(points)
+        x = y = 0.0
+        for point in points:
+            x, y = x + point[0], y + point[1]
+        x, y = x / len(points), y / len(points)
         return self._orient((x, y)) if math.isfinite(x) and math.isfinite(y) else None
 
 
