@@ -37,8 +37,11 @@ IDLE_FRAME_S: Final = 0.25
 """How often an idle camera is asked for a frame: an idle pipeline uses each of them."""
 COUNT_S: Final = 1.0
 """Interval at which the camera's count of dropped events is read."""
+PAUSE_S: Final = 0.1
+"""A camera sends a time word at least every 33 ms. After a longer pause than this the transfers are
+cancelled, and data is asked for again: Linux may have lost them all."""
 SILENCE_S: Final = 2.0
-"""A camera sends a time word at least every 33 ms: one that is silent this long has failed."""
+"""A camera that is silent this long has failed."""
 FAULTS_S: Final = 5.0
 MAX_STALLS: Final = 3
 """With this many within FAULTS_S, the camera has failed."""
@@ -95,7 +98,7 @@ class Stream:
         self._slicer = Slicer(slice_us, self.end_us)
         self._stream_check = StreamCheck(self.end_us, self._begun_s)
         self._is_idle = False
-        self._paced_s = self._retry_s = 0.0
+        self._paced_s = self._retry_s = self._queued_s = 0.0
         self._stats = self._decoder.stats()
         self._n_impossible = 0
         self._partial_us = -1
@@ -122,6 +125,7 @@ class Stream:
                 self._read(now_s)
             if self._decoder.now_us >= self._find_due():  # whole slices are on their way
                 self._deliver_partial()
+            self._ask_again(looked_s)
             self._check(looked_s)
             if self.end_us > end_us:  # a slice: its last word has just come
                 self._pace_camera(now_s)
@@ -187,6 +191,18 @@ class Stream:
             if _are_many(self._stalls_s):
                 raise
             self._camera.transport.queue(self._chunks.append)
+
+    def _ask_again(self, looked_s: float) -> None:
+        """Cancels the transfers of a camera that pauses, once in a pause, and submits them again.
+
+        Args:
+            looked_s: when the last read began.
+        """
+        pauses = self._decoder.is_synced and looked_s - self.heard_s > PAUSE_S
+        if pauses and self._queued_s < self.heard_s:
+            self._queued_s = looked_s
+            self._camera.transport.queue(self._chunks.append)
+            self._chunks.append(b"")
 
     def _read(self, now_s: float) -> None:
         """Decodes the data that has arrived; an empty chunk marks missing data."""
