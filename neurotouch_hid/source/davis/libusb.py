@@ -188,7 +188,7 @@ class LibusbTransport:
         raise CameraGoneError("The camera is gone.")
 
     def _make_transfer(self) -> _Transfer:
-        """Returns a transfer without a callback: its status says that it has ended."""
+        """Returns a transfer that has ended; without a callback, its status tells when it has."""
         pointer, data = _libusb.libusb_alloc_transfer(0), (c_char * TRANSFER_BYTES)()
         none = _libusb.libusb_transfer_cb_fn_p()
         _libusb.libusb_fill_bulk_transfer(
@@ -236,7 +236,7 @@ class LibusbTransport:
         if n_lost:
             self._lose(n_lost)
             for _ in range(n_lost):
-                self._submit_again(self._make_transfer())
+                self._complete(self._make_transfer())  # it ends without data, and is submitted
             self._take_ended()
 
     def _lose(self, n: int) -> None:
@@ -259,9 +259,6 @@ class LibusbTransport:
             if not (self._halted or self._gone):
                 self._receive(b"")  # once for a stall, which ends them all
             self._halted |= status == usb1.TRANSFER_STALL
-        self._submit_again(transfer)
-
-    def _submit_again(self, transfer: _Transfer) -> None:
         if self._ending or self._gone or self._halted:
             return
         if result := self._submit(transfer):

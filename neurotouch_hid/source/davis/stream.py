@@ -125,7 +125,6 @@ class Stream:
                 self._read(now_s)
             if self._decoder.now_us >= self._find_due():  # whole slices are on their way
                 self._deliver_partial()
-            self._ask_again(looked_s)
             self._check(looked_s)
             if self.end_us > end_us:  # a slice: its last word has just come
                 self._pace_camera(now_s)
@@ -192,18 +191,6 @@ class Stream:
                 raise
             self._camera.transport.queue(self._chunks.append)
 
-    def _ask_again(self, looked_s: float) -> None:
-        """Cancels the transfers of a camera that pauses, once in a pause, and submits them again.
-
-        Args:
-            looked_s: when the last read began.
-        """
-        pauses = self._decoder.is_synced and looked_s - self.heard_s > PAUSE_S
-        if pauses and self._queued_s < self.heard_s:
-            self._queued_s = looked_s
-            self._camera.transport.queue(self._chunks.append)
-            self._chunks.append(b"")
-
     def _read(self, now_s: float) -> None:
         """Decodes the data that has arrived; an empty chunk marks missing data."""
         while self._chunks:
@@ -246,7 +233,7 @@ class Stream:
             self._put(replace(partial, gap=self._gap))
 
     def _check(self, looked_s: float) -> None:
-        """Ends a run that has failed.
+        """Ends a run that has failed; asks a camera that pauses for data again, once in a pause.
 
         The camera counts as silent only if a read that began late enough found nothing: on a busy
         machine, time also passes between two reads.
@@ -254,8 +241,13 @@ class Stream:
         Args:
             looked_s: when the last read began.
         """
-        if looked_s - self.heard_s > SILENCE_S:
+        silence_s = looked_s - self.heard_s
+        if silence_s > SILENCE_S:
             raise CameraError("The camera sends nothing.")
+        if silence_s > PAUSE_S and self._queued_s < self.heard_s and self._decoder.is_synced:
+            self._queued_s = looked_s
+            self._camera.transport.queue(self._chunks.append)
+            self._chunks.append(b"")
         if not self._decoder.is_synced and looked_s - self._begun_s > SILENCE_S:
             raise CameraError("The camera does not set its clock.")
         if self._faults_s and _are_many(self._faults_s):

@@ -24,8 +24,8 @@ class Scripted(libusb.LibusbTransport):
             self._submit(self._make_transfer())
 
     def _make_transfer(self):
-        fields, data = SimpleNamespace(actual_length=1), b"%d" % len(self._transfers)
-        self._transfers.append(libusb._Transfer(None, fields, data))
+        ended = SimpleNamespace(status=usb1.TRANSFER_COMPLETED, actual_length=0)
+        self._transfers.append(libusb._Transfer(None, ended, b"%d" % len(self._transfers)))
         return self._transfers[-1]
 
     def _submit(self, transfer):
@@ -35,7 +35,8 @@ class Scripted(libusb.LibusbTransport):
 
     def _handle_events(self, timeout_s):
         for k in self.ends.pop(0):
-            self._transfers[k].fields.status = usb1.TRANSFER_COMPLETED
+            fields = self._transfers[k].fields
+            fields.status, fields.actual_length = usb1.TRANSFER_COMPLETED, 1
 
 
 @pytest.mark.parametrize(("late_s", "n"), [(0.0, 3), (0.001, 2)])
