@@ -58,6 +58,7 @@ class SlicePacer:
         self._n_events = self._length_us = 0  # of the usual slice so far
         self._calm_us, self._still_us = 0, MOVED_US + 1
         self._mean, self._deviation = math.inf, 0.0  # so all is noise at first
+        self._most = math.inf  # by how many events noise exceeds its mean
         self._n_heard = 0
         self._doubtful: deque[tuple[int, int]] = deque()  # events and end of slices not yet learned
 
@@ -103,6 +104,7 @@ class SlicePacer:
             self._learn(self._doubtful.popleft()[0])
         if not self._n_heard:
             self._mean = min(self._mean, n_events)
+            self._most = self._find_most()
         is_calm = is_noise and self._n_heard > 0 and not packet.gap
         self._calm_us = self._calm_us + length_us if is_calm else 0
         begin_us = self._waiting[0].t_begin_us if self._waiting else packet.t_begin_us
@@ -137,7 +139,7 @@ class SlicePacer:
 
     def _is_noise(self, n_events: int) -> bool:
         """Returns True if this many events are noise; until it is known, the quietest slice is."""
-        return n_events - self._mean <= self._find_most()
+        return n_events - self._mean <= self._most
 
     def _find_most(self) -> float:
         """Returns by how many events noise exceeds its mean, at most."""
@@ -149,9 +151,10 @@ class SlicePacer:
         self._n_heard += 1
         share = max(_LEARN, 1.0 / self._n_heard)  # fast at first
         # A burst changes it little, a new lamp does over time.
-        learnt = min(n_events - self._mean, self._find_most())
+        learnt = min(n_events - self._mean, self._most)
         self._mean += share * learnt
         self._deviation += share * (abs(learnt) - self._deviation)
+        self._most = self._find_most()
 
 
 def _join(packets: list[EventPacket]) -> EventPacket:

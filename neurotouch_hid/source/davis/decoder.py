@@ -123,6 +123,7 @@ class Decoder:
         self._counters["bad_frames"] += self._state["in_frame"]
         self._state["in_frame"] = False
         self._state["y"] = -1
+        self._state["is_cut"] = True
 
     def _copy_frame(self) -> Frame:
         state = self._state[0]

@@ -221,7 +221,7 @@ class DavisSource(CameraSource):
         is_behind = not self._queue.is_empty
         for whole in self._pacer.take(packet):
             self._queue.put(whole)
-        self._note_progress(packet.t_end_us)
+            self._note_progress(whole.t_end_us)
         return self._part_us if self._pacer.is_moving and not is_behind else None
 
     def _note(self, error: CameraError) -> None:

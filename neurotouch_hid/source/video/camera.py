@@ -35,7 +35,7 @@ class VideoCamera(Closing):
         stamp_us: the stamp of the newest picture, µs of CLOCK_MONOTONIC.
         n_lost: pictures that were lost so far.
         n_damaged: pictures that came, but could not be read.
-        n_unstamped: pictures without a usable stamp; they have the time of their arrival.
+        n_unstamped: pictures without a usable stamp; their time is estimated from their arrival.
 
     Raises:
         CameraError: it cannot be opened or set up.

@@ -36,7 +36,8 @@ class CapturedPicture:
         is_start: the stamp is that of the start of the exposure, not that of the picture's end.
         n_lost: pictures that were lost since the one before, as far as known.
         is_damaged: the driver says that parts are missing.
-        has_stamp: the driver gave a usable stamp; otherwise it is the time of the arrival.
+        has_stamp: the driver gave a usable stamp; otherwise it is what it would be if the picture
+            had taken as long to arrive as the last one with a stamp.
     """
 
     data: NDArray[np.uint8]
@@ -65,6 +66,7 @@ class PictureStream(Closing):
         self._taken: int | None = None
         self._last_sequence: int | None = None
         self._last_us = 0
+        self._delay_us: int | None = None  # from the last usable stamp to its picture's arrival
         try:
             self._start()
         except CameraError:
@@ -171,7 +173,10 @@ class PictureStream(Closing):
         )
         earliest_us = max(self._last_us, now_us - LATE_US)
         has_stamp = is_monotonic and earliest_us < stamp_us < now_us + EARLY_US
-        t_us = stamp_us if has_stamp else max(now_us, self._last_us + 1)
+        if has_stamp:
+            t_us, self._delay_us = stamp_us, max(0, now_us - stamp_us)
+        else:  # the time of arrival alone might be later than the stamps of all later pictures
+            t_us = max(now_us - (self._delay_us or 0), self._last_us + 1)
         n_lost = n_older
         if self._last_sequence is not None:
             n_missing = (buffer.sequence - self._last_sequence - 1) & 0xFFFFFFFF
@@ -181,7 +186,7 @@ class PictureStream(Closing):
         return CapturedPicture(
             data=view[:n_bytes],
             t_us=t_us,
-            is_start=has_stamp and source == v4l2.BUF_FLAG_TSTAMP_SRC_SOE,
+            is_start=self._delay_us is not None and source == v4l2.BUF_FLAG_TSTAMP_SRC_SOE,
             n_lost=n_lost,
             is_damaged=bool(buffer.flags & v4l2.BUF_FLAG_ERROR) or buffer.bytesused > len(view),
             has_stamp=has_stamp,

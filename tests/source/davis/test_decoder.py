@@ -191,6 +191,37 @@ def test_after_lost_bytes_nothing_is_put_to_a_row_of_before():
     assert decoder.stats().orphans == 1
 
 
+@pytest.mark.parametrize(
+    ("after", "t"),
+    [
+        ("8004 1001 3001", 32_772),  # the wrap was in what is missing
+        ("8006 1001 3001", 6),
+        ("1002 8006 1001 3001", 6),
+        ("7001 8004 1001 3001", 32_772),
+        ("1002 7002 8004 1001 3001", 65_540),
+        ("8004 7001 8003 1001 3001", 65_539),
+        ("0001 8004 1001 3001", 9),
+    ],
+)
+def test_a_wrap_that_is_lost_does_not_let_time_stand_still(after, t):
+    decoder = Decoder(synced=True)
+    decoder.decode(pack("8005 1001"))
+    decoder.forget()
+    events, _ = decoder.decode(pack(after))
+    assert events["t"].tolist() == [t]
+    assert decoder.stats().backward == 0
+
+
+def test_the_first_time_after_lost_bytes_may_come_later():
+    decoder = Decoder(synced=True)
+    decoder.decode(pack("8005 1001"))
+    decoder.forget()
+    decoder.decode(pack("1002 3002"))
+    events, _ = decoder.decode(pack("8004 3003 8003 3004"))
+    assert events["t"].tolist() == [32_772, 32_772]
+    assert decoder.stats().backward == 1
+
+
 words = st.one_of(
     st.integers(0, 0xFFFF),
     st.sampled_from([0x0001, 0x0008, 0x000A, 0x000B, 0x000C, 0x000D, 0x000E, 0x000F, 0x7001]),

@@ -5,13 +5,14 @@ import time
 from contextlib import suppress
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from neurotouch_hid.errors import CameraBusyError, CameraError
 from neurotouch_hid.source.camera_errors import CameraGoneError
-from neurotouch_hid.source.video import v4l2
+from neurotouch_hid.source.video import picture_stream, v4l2
 from neurotouch_hid.source.video.camera import VideoCamera
 from neurotouch_hid.source.video.capture import MAX_SIZES, CaptureDevice
 from neurotouch_hid.source.video.config import VideoConfig
@@ -113,6 +114,27 @@ def test_without_a_usable_stamp_the_time_of_arrival_counts(lie):
         assert camera.n_unstamped == 5
     stamps = [before_us - 1_000, *(t_us for t_us, _ in pictures), after_us]
     assert stamps == sorted(stamps)
+
+
+@pytest.mark.parametrize("jump_us", [-10_000_000, -200_000, 300_000, 10_000_000])
+def test_after_a_stamp_that_jumps_the_stamps_of_the_driver_count_again(monkeypatch, jump_us):
+    fake = FakeCamera()
+    fake.is_asked = True
+    true_us = []
+
+    def lie(buffer):
+        """A picture each 8 ms; it comes 40 ms after its stamp."""
+        true_us.append(10_000_000 + 8_000 * buffer.sequence)
+        t_us = true_us[-1] + jump_us * (buffer.sequence == 4)
+        buffer.timestamp.seconds, buffer.timestamp.microseconds = divmod(t_us, 1_000_000)
+
+    clock = SimpleNamespace(monotonic_ns=lambda: 1_000 * (true_us[-1] + 40_000))
+    monkeypatch.setattr(picture_stream, "time", clock)
+    fake.lies[v4l2.DQBUF] = lie
+    with open_camera(fake) as camera:
+        camera.start()
+        assert [t_us for t_us, _ in take(camera, 12)] == true_us
+        assert camera.n_unstamped == 1
 
 
 @pytest.mark.parametrize(

@@ -169,6 +169,25 @@ def test_a_camera_that_sends_only_damaged_pictures_says_so(monkeypatch):
         assert source.n_lost >= source.stats().n_damaged
 
 
+@pytest.mark.parametrize("n_bytes", [0, 100, 0xFFFFFFFF])
+@pytest.mark.parametrize("flag", [0, v4l2.BUF_FLAG_ERROR])
+def test_play_goes_on_after_many_bad_buffers_in_a_row(n_bytes, flag):
+    fake = FakeCamera(formats=FAST)
+
+    def spoil(buffer):
+        if 4 < fake.n_sent <= 24:
+            buffer.bytesused, buffer.flags = n_bytes, buffer.flags | flag
+
+    fake.lies[v4l2.DQBUF] = spoil
+    with open_video(FakeLinux(fake)) as source:
+        packets = take(source, 3) + play_until(source, lambda: fake.n_sent > 40)
+        assert (source.stats().n_connects, source.trouble) == (1, "")
+        assert source.n_lost
+    assert_sound(packets)
+    levels = [frame.pixels[130, 173] for packet in packets for frame in packet.frames]
+    assert max(levels) >= 24
+
+
 def test_a_camera_that_lies_about_its_rate_is_told_once_and_its_true_period_counts(
     monkeypatch, caplog
 ):

@@ -63,6 +63,7 @@ class AddressLayout(NamedTuple):
 STATE_DTYPE = np.dtype(
     [
         ("is_synced", "?"),
+        ("is_cut", "?"),
         ("origin_us", "<i8"),
         ("base_us", "<i8"),
         ("now_us", "<i8"),
@@ -85,13 +86,14 @@ STATE_DTYPE = np.dtype(
     ],
     align=True,
 )
-"""The state between two words. ``is_synced``: the timestamp reset of the start has been
-seen. Of the stream's time: ``origin_us`` at the camera's time 0, ``base_us`` that the wraps have
-added up to, ``now_us`` at the last word, which never goes back. ``y``: the last row word, -1 if
-none or a wrong one. Of the frame that is being read: ``first_x``, ``first_y``, ``last_x`` and
-``last_y`` are the limits of its region, ``n_limits`` of which have been seen in this order,
-``limit_byte`` the high byte of the next; ``kind`` of the present column; ``n_reset_columns`` and
-``n_signal_columns`` read so far; ``n_samples`` in this column."""
+"""The state between two words. ``is_synced``: the timestamp reset of the start has been seen.
+``is_cut``: bytes are missing before the next word. Of the stream's time: ``origin_us`` at the
+camera's time 0, ``base_us`` that the wraps have added up to, ``now_us`` at the last word, which
+never goes back. ``y``: the last row word, -1 if none or a wrong one. Of the frame that is being
+read: ``first_x``, ``first_y``, ``last_x`` and ``last_y`` are the limits of its region, ``n_limits``
+of which have been seen in this order, ``limit_byte`` the high byte of the next; ``kind`` of the
+present column; ``n_reset_columns`` and ``n_signal_columns`` read so far; ``n_samples`` in this
+column."""
 
 BETWEEN_COLUMNS, RESET_COLUMN, SIGNAL_COLUMN = -1, 0, 1
 """Kinds of a column: its values before the exposure, and after it."""
@@ -142,6 +144,8 @@ def decode(
         The first word not read, the number of events, and whether a frame is complete.
     """
     state, counters = carried[0], counted[0]
+    if state["is_cut"]:
+        _add_missing_wrap(words, start, state)
     columns, rows = layout.columns, layout.rows
     swap, mirrored, last_x = layout.swap_events, layout.mirrored, layout.width_px - 1
     now, y = state["now_us"], state["y"]
@@ -215,6 +219,24 @@ def decode(
             counters["unknown"] += 1
     state["now_us"], state["y"] = now, y
     return i, n, False
+
+
+@kernel
+def _add_missing_wrap(words: NDArray[np.uint16], start: int, state: Records) -> None:
+    """Adds the wrap that was in the missing bytes if the first time after them is not later.
+
+    Without it, time would stand still for up to 33 ms.
+    """
+    for i in range(start, len(words)):
+        word = words[i]
+        if word & 0x8000:
+            t = state["origin_us"] + state["base_us"] + np.int64(word & 0x7FFF)
+            if t <= state["now_us"]:
+                state["base_us"] += WRAP_US
+        elif word >> 12 != WRAP and word != RESET:
+            continue
+        state["is_cut"] = False
+        return
 
 
 @kernel
