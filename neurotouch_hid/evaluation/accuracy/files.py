@@ -34,6 +34,8 @@ _STEPS_AT_ONCE: Final = 16
 """So many steps are compared one right after the other: the code and the data of the comparison
 are still in the processor's caches then. One by one, between two steps, each takes three times as
 long."""
+_MODULES: Final = __name__, "neurotouch_hid.driver.driver", "neurotouch_hid.source.replay"
+"""What each process needs that plays recordings."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,7 +132,7 @@ def _play_all(
         yield from ((path, evaluate_file(path, options)) for path in paths)
         return
     try:
-        with open_pool(jobs, _die_silently) as pool:
+        with open_pool(jobs, _die_silently, _MODULES) as pool:
             futures = {pool.submit(evaluate_file, path, options): path for path in paths}
             yield from ((futures[done], done.result()) for done in as_completed(futures))
     except BrokenProcessPool as error:
