@@ -175,23 +175,25 @@ class Driver(Closing):
                 on_round=on_round,
             )
 
-    def steps(self, *, seconds: float | None = None) -> Iterator[Step]:
+    def steps(self, *, seconds: float | None = None, pads: bool = True) -> Iterator[Step]:
         """Gives each Step as it comes; the pad is not written.
 
         Args:
             seconds: ends after this much sensor time.
+            pads: the profile maps the gestures; without, it has no part, and the pad state of each
+                Step is neutral.
 
         Raises:
             NeuroTouchError: the driver is not open.
         """
         self._require_open()
-        return self._advance(seconds)
+        return self._advance(seconds, pads=pads)
 
-    def _advance(self, seconds: float | None) -> Iterator[Step]:
+    def _advance(self, seconds: float | None, *, pads: bool) -> Iterator[Step]:
         packets = self.source if seconds is None else cut_off(self.source, seconds)
         for packet in packets:
             self._require_open()
-            step = self.pipeline.advance(packet)
+            step = self.pipeline.advance(packet) if pads else self.pipeline.recognize(packet)
             yield step
             self.pipeline.process_frames(step)
 

@@ -1,31 +1,37 @@
 """Processes of our own that share out a long work."""
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from importlib import import_module
 from multiprocessing import active_children, get_context
+from typing import Final
 
-from neurotouch_hid.process.startup import collect_rarely, hasten_pydantic, leave_out_asyncio
+_QUICKLY: Final = "neurotouch_hid.process.fork_server"
+"""The module that makes imports quick."""
 
 
 @contextmanager
 def open_pool(
-    jobs: int, prepare: Callable[[], object] | None = None
+    jobs: int, prepare: Callable[[], object] | None = None, modules: Sequence[str] = ()
 ) -> Iterator[ProcessPoolExecutor]:
     """Gives processes of our own that work beside this one; they end with the block.
 
-    They are fresh: to fork a process that has loaded kernels and OpenCV's threads is not safe.
+    They are forked from a server of Python's, which has imported modules and done nothing else. To
+    fork this process is not safe: it may have loaded kernels and OpenCV's threads.
 
     Args:
         jobs: how many at once.
         prepare: is called in each before it works.
+        modules: names of modules that each needs. The server imports them, once for all; it is the
+            same for all pools of this process, and only the first one counts.
     """
     before = os.environ.get("PYTHONSAFEPATH")
     os.environ["PYTHONSAFEPATH"] = "1"  # what ``-P`` is to a command
-    pool = ProcessPoolExecutor(
-        jobs, mp_context=get_context("spawn"), initializer=_begin, initargs=(prepare,)
-    )
+    context = get_context("forkserver")
+    context.set_forkserver_preload([_QUICKLY, *modules])
+    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin, initargs=(prepare,))
     try:
         yield pool
     finally:
@@ -39,9 +45,7 @@ def open_pool(
 
 
 def _begin(prepare: Callable[[], object] | None) -> None:
-    """Makes the imports of a new process as quick as those of a command."""
-    collect_rarely()
-    leave_out_asyncio()
-    hasten_pydantic()
+    """Prepares a process of a pool."""
+    import_module(_QUICKLY)  # up to Python 3.12 the server does not find the Debian package
     if prepare is not None:
         prepare()

@@ -8,9 +8,12 @@ from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig
 from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import (
     EventPacket,
+    GamepadState,
     GelProblem,
     GelState,
+    Gesture,
     GestureKind,
+    MarkerField,
     RestField,
     Step,
     no_gesture,
@@ -116,6 +119,21 @@ class Pipeline:
 
         With a frame thread, write the pad afterwards, then call ``process_frames``.
         """
+        markers, gesture = self._find_gesture(packet)
+        begun_ns = perf_counter_ns()
+        pad = self.mapping.update(gesture)
+        self.timings.profile.end(begun_ns)
+        if "rezero" in pad.commands:
+            self.recognizer.rezero()
+        return Step(packet, self._anchor, markers, gesture, pad, self.gel)
+
+    def recognize(self, packet: EventPacket) -> Step:
+        """Takes one slice up to the gesture; the profile has no part, and the pad is neutral."""
+        markers, gesture = self._find_gesture(packet)
+        pad = GamepadState(gesture.t_us)
+        return Step(packet, self._anchor, markers, gesture, pad, self.gel)
+
+    def _find_gesture(self, packet: EventPacket) -> tuple[MarkerField, Gesture]:
         if self.has_frame_thread:
             packet_left = self._cut_remaining(packet)
         else:
@@ -133,15 +151,11 @@ class Pipeline:
             self.rest.detector.note_flicker(self._flicker.hz if self._flicker else None)
         self.rest.detector.note_camera(has_events=self.tracker.has_events)
         gesture = self.recognizer.update(markers)
-        begun_ns = timings.gesture.end(begun_ns)
+        timings.gesture.end(begun_ns)
         if self.tracker.is_unsure:
             self.rest.detector.note_haste(packet.t_end_us)
             gesture = no_gesture(gesture.t_us)
-        pad = self.mapping.update(gesture)
-        timings.profile.end(begun_ns)
-        if "rezero" in pad.commands:
-            self.recognizer.rezero()
-        return Step(packet, self._anchor, markers, gesture, pad, self.gel)
+        return markers, gesture
 
     @property
     def gel(self) -> GelState:

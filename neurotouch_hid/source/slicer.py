@@ -1,6 +1,7 @@
 """Cuts any stream of events and frames into equal slices of sensor time."""
 
 from collections.abc import Iterable, Iterator
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,11 @@ MAX_SILENCE_US = 10_000_000
 """Longer times without any event are skipped instead of filled with empty slices: a camera has
 noise events all the time, so such a hole is a paused recording or a reset clock, and a jump of
 hours must not become millions of packets. The slices after it stay on the same grid."""
+_SLICES_AHEAD: Final = 16
+"""So many slices of a recording are read one right after the other: its code and data are still in
+the processor's caches then. Read one by one, between two steps, each takes twice as long."""
+_EVENTS_AHEAD: Final = 1 << 16
+"""No more events are read ahead: 1 MB."""
 
 
 class Slicer:
@@ -163,13 +169,19 @@ def slice_recording(batches: Iterable[Batch], slice_us: int) -> Iterator[EventPa
     """
     slicer = Slicer(slice_us)
     broken: RecordingError | None = None
+    ahead, n_events = list[EventPacket](), 0
     try:
         for events, frames in batches:
-            yield from slicer.push(events, frames)
+            ahead.extend(slicer.push(events, frames))
             if frames:  # those that come long before the next event do not wait for it
-                yield from slicer.reach(max(frame.exposure_end_us for frame in frames))
+                ahead.extend(slicer.reach(max(frame.exposure_end_us for frame in frames)))
+            n_events += len(events)
+            if len(ahead) >= _SLICES_AHEAD or n_events >= _EVENTS_AHEAD:
+                yield from ahead
+                ahead, n_events = [], 0
     except RecordingError as error:
         broken = error
+    yield from ahead
     yield from slicer.flush()
     if broken is not None:
         raise broken

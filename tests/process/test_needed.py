@@ -173,12 +173,12 @@ def test_python_fails_at_the_end_if_nobody_reads_its_output():
     assert end_with_dead_output("silence") == (0, "")
 
 
-def test_a_spawned_python_imports_from_the_current_folder_unless_it_is_told_not_to(tmp_path):
+def test_a_fork_server_imports_from_the_current_folder_unless_it_is_told_not_to(tmp_path):
     """``own_pool`` tells it, and so does ``own_command``; see ``test_own_command.py``."""
     program = (
         "from multiprocessing import get_context; from importlib.util import find_spec\n"
         "if __name__ == '__main__':\n"
-        "    with get_context('spawn').Pool(1) as pool:\n"
+        "    with get_context('forkserver').Pool(1) as pool:\n"
         "        print(pool.apply(find_spec, ('found_here',)) is not None)"
     )
     (tmp_path / "found_here.py").touch()

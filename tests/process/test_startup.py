@@ -64,6 +64,24 @@ def test_a_process_of_a_pool_loads_no_asyncio_either(tmp_path):
     assert say(program) == "False"
 
 
+def test_the_processes_of_a_pool_share_what_was_imported_for_them(tmp_path):
+    (tmp_path / "look.py").write_text(
+        "import os\nloaded_by = os.getpid()\ndef look(): return loaded_by, os.getpid()\n"
+    )
+    program = (
+        f"import os, sys; sys.path.insert(0, {str(tmp_path)!r}); import look\n"
+        "os.environ['PYTHONPATH'] = os.pathsep.join(sys.path)\n"
+        "from neurotouch_hid.process.own_pool import open_pool\n"
+        "if __name__ == '__main__':\n"
+        "    seen = []\n"
+        "    for _ in range(2):\n"
+        "        with open_pool(1, modules=['look']) as pool:\n"
+        "            seen.append(pool.submit(look.look).result())\n"
+        "    print(seen[0][0] == seen[1][0] != look.loaded_by, len({own for _, own in seen}))"
+    )
+    assert say(program) == "True 2"
+
+
 def test_numba_starts_colorama_unless_it_is_left_out(tmp_path):
     """As Debian's python3-colorama does: its start writes to the terminal at the end."""
     (tmp_path / "colorama.py").write_text(

@@ -8,7 +8,7 @@ import pytest
 
 from neurotouch_hid.evaluation.speed.workload import load_scene
 from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.messages import GelProblem
+from neurotouch_hid.messages import GamepadState, GelProblem
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.runtime.pipeline import IDLE_FRAME_US, IDLE_US
@@ -61,6 +61,22 @@ def test_frames_that_wait_for_the_pad_tell_the_same(push, lines):
     assert np.median(apart_px) < 0.1
     assert np.mean(same) > 0.98
     assert live.tracker.stats().n_anchors > 5
+
+
+def test_without_a_profile_the_gestures_are_the_same_and_the_pad_is_neutral(push):
+    mapped, alone = (
+        Pipeline.build(load_profile("default"), GestureConfig(), frame_thread=False)
+        for _ in range(2)
+    )
+    pads = []
+    for packet in push.packets:
+        usual, step = mapped.advance(packet), alone.recognize(packet)
+        assert step.gesture.kind is usual.gesture.kind
+        assert step.gesture.intensity_mm == usual.gesture.intensity_mm
+        np.testing.assert_array_equal(step.markers.position_px, usual.markers.position_px)
+        assert step.pad == GamepadState(usual.pad.t_us)
+        pads.append(usual.pad.is_neutral)
+    assert not all(pads)
 
 
 def test_a_slice_whose_head_was_taken_in_before_tells_the_same(push):

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import EVENT_DTYPE, Frame
 from neurotouch_hid.source.slicer import MAX_SILENCE_US, Slicer, slice_recording
 
@@ -97,6 +98,33 @@ def test_slices_in_parts_keep_the_grid_and_every_event(origin, gaps, parts, cuts
         assert packet.t_end_us - packet.t_begin_us == min(part_us or left_us, left_us)
         assert k == 0 or packet.t_begin_us == packets[k - 1].t_end_us
         part_us = parts[(k + 1) % len(parts)]
+
+
+@pytest.mark.parametrize("n", [1, 5, 40])
+def test_all_slices_before_a_break_come_first(n):
+    whole = [(events_at([t, t + 40]), ()) for t in range(0, n * SLICE_US, SLICE_US)]
+
+    def broken():
+        yield from whole
+        raise RecordingError("cut off")
+
+    packets = []
+    with pytest.raises(RecordingError, match="cut off"):
+        packets.extend(slice_recording(broken(), SLICE_US))
+    assert [p.events["t"].tolist() for p in packets] == [e["t"].tolist() for e, _ in whole]
+
+
+@pytest.mark.parametrize(("n_events", "n_ahead"), [(1, 17), (1 << 15, 2), (1 << 18, 2)])
+def test_only_a_little_of_a_recording_is_read_ahead(n_events, n_ahead):
+    taken = []
+
+    def batches():
+        for t in range(0, 100 * SLICE_US, SLICE_US):
+            taken.append(t)
+            yield events_at([t] * n_events), ()
+
+    next(slice_recording(batches(), SLICE_US))
+    assert len(taken) == n_ahead
 
 
 def test_hours_of_silence_are_skipped_on_the_same_grid():

@@ -1,6 +1,5 @@
 """A tap that compares steps with the labels of their recording."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -23,7 +22,6 @@ class Comparison:
 
     Args:
         labels: of the same recording.
-        find_view: returns the view of a video, of whose own pictures the labels are pixels.
 
     Attributes:
         tally: the counts so far.
@@ -31,18 +29,21 @@ class Comparison:
         rig: the present view of the sensor, None before the gel is found.
     """
 
-    def __init__(
-        self, labels: LabelTrack, find_view: Callable[[], View | None] = lambda: None
-    ) -> None:
+    def __init__(self, labels: LabelTrack) -> None:
         self.worst = WorstMoments()
         self.rig: Rig | None = None
         self._stopwatch = Stopwatch(labels)
         self.tally = Tally(timing=self._stopwatch.timing)
-        self._labels, self._find_view = labels, find_view
+        self._labels = labels
         self._rest_px: NDArray[np.float32] | None = None
 
-    def __call__(self, step: Step) -> None:
-        """Counts one step."""
+    def __call__(self, step: Step, view: View | None = None) -> None:
+        """Counts one step.
+
+        Args:
+            step: the step.
+            view: that of a video in this step; the labels are pixels of its own pictures.
+        """
         packet = step.packet
         self.tally.events += len(packet.events)
         self.tally.frames += len(packet.frames)
@@ -50,7 +51,7 @@ class Comparison:
         self._find_rig(step.markers)
         truth = self._labels.at(step.gesture.t_us)
         if truth is not None:
-            self._add_gesture(step, map_truth(truth, self._find_view()))
+            self._add_gesture(step, map_truth(truth, view))
         for frame in packet.frames[-1:]:  # a step says nothing of the others of a fast camera
             label = self._labels.nearest(frame.t_us)
             if label is not None:
