@@ -6,10 +6,15 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib import import_module
 from multiprocessing import active_children, get_context
+from tempfile import gettempdir
 from typing import Final
 
 _QUICKLY: Final = "neurotouch_hid.process.fork_server"
 """The module that makes imports quick."""
+
+_LONGEST_FOLDER: Final = 70
+"""The server listens at a socket in the temporary folder, whose whole path has at most 107 bytes.
+With a longer folder each process imports for itself."""
 
 
 @contextmanager
@@ -29,7 +34,8 @@ def open_pool(
     """
     before = os.environ.get("PYTHONSAFEPATH")
     os.environ["PYTHONSAFEPATH"] = "1"  # what ``-P`` is to a command
-    context = get_context("forkserver")
+    is_short = len(os.fsencode(gettempdir())) <= _LONGEST_FOLDER
+    context = get_context("forkserver" if is_short else "spawn")
     context.set_forkserver_preload([_QUICKLY, *modules])
     pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin, initargs=(prepare,))
     try:

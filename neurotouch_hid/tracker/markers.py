@@ -14,6 +14,7 @@ from neurotouch_hid.tracker.config import TrackerConfig, make_tracks
 from neurotouch_hid.tracker.correction import FrameCorrection
 from neurotouch_hid.tracker.flicker import Flicker, FlickerFilter
 from neurotouch_hid.tracker.frame_identity import FrameIdentity
+from neurotouch_hid.tracker.hot_pixels import HotPixelFilter
 from neurotouch_hid.tracker.kernels import correction, rigid
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
@@ -90,7 +91,7 @@ class MarkerTracker:
         self._finder = finder or BlobFinder(gel=gel)
         self._correction = FrameCorrection(self._tracks, self._tuning)
         self._identity = FrameIdentity(self._tracks, self._tuning, gel)
-        self._flicker = FlickerFilter()
+        self._hot, self._flicker = HotPixelFilter(), FlickerFilter()
         self._return = QuietReturn(self._tracks)
         self._rest_px = np.full((n, 2), np.nan, np.float32)
         self._anchored = False
@@ -165,6 +166,7 @@ class MarkerTracker:
         events = self._gel.lighten_events(packet.events)
         if not (events.flags.writeable and events.flags.c_contiguous):
             events = np.array(events, EVENT_DTYPE)
+        events = self._hot.update(events, packet.t_begin_us, packet.t_end_us)
         events = self._flicker.update(events, packet.t_begin_us, packet.t_end_us)
         if not self._anchored:
             return self._unknown(packet.t_end_us)

@@ -82,6 +82,19 @@ def test_the_processes_of_a_pool_share_what_was_imported_for_them(tmp_path):
     assert say(program) == "True 2"
 
 
+def test_processes_of_a_pool_work_with_a_long_temporary_folder(tmp_path):
+    """Its path and a name of Python's are the address of a socket, which is short."""
+    folder = tmp_path / ("long" * 25)
+    folder.mkdir()
+    program = (
+        "import os\n"
+        "from neurotouch_hid.process.own_pool import open_pool\n"
+        "if __name__ == '__main__':\n"
+        "    with open_pool(1) as pool:\n        print(pool.submit(abs, -7).result())"
+    )
+    assert say(f"import os; os.environ['TMPDIR'] = {str(folder)!r}\n{program}") == "7"
+
+
 def test_numba_starts_colorama_unless_it_is_left_out(tmp_path):
     """As Debian's python3-colorama does: its start writes to the terminal at the end."""
     (tmp_path / "colorama.py").write_text(
