@@ -61,6 +61,14 @@ def test_a_pixel_that_stops_is_heard_again():
     assert (play(pixels, [PLACE], 200.0, 0.3, begin_us=2_500_000) > 0.0).any()
 
 
+def test_a_hot_pixel_stays_known_while_a_dot_moves_beside_it():
+    pixels, edge = HotPixelFilter(), [(200 + k, 80) for k in range(-1, 2)]
+    play(pixels, [(200, 80)], 200.0, 2.0)
+    for at_us in range(2_000_000, 3_000_000, SLICE_US):
+        events = fire(np.random.default_rng(at_us), edge, 200.0, at_us, at_us + SLICE_US)
+        assert not (pixels.update(events, at_us, at_us + SLICE_US)["x"] == 200).any()
+
+
 def test_others_are_not_touched_and_cost_no_copy():
     pixels, rng = HotPixelFilter(), np.random.default_rng(2)
     events = fire(rng, [(k, 5) for k in range(300)], 5.0, 0, WINDOW_US)

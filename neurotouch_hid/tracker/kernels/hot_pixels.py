@@ -33,6 +33,8 @@ def count_events(events: NDArray[np.void], counts: NDArray[np.uint16]) -> None:
 def judge_window(counts: NDArray[np.uint16], streaks: NDArray[np.uint8]) -> int:
     """Ends a window: updates for how many windows in a row each pixel has fired alone.
 
+    A hot pixel remains one until it no longer fires.
+
     Args:
         counts: (260 * 346,) uint16, the events of the window; set to 0.
         streaks: (260 * 346,) uint8, windows, at most ``N_WINDOWS``; updated.
@@ -47,11 +49,14 @@ def judge_window(counts: NDArray[np.uint16], streaks: NDArray[np.uint8]) -> int:
             if counts[at] < LEAST:
                 streaks[at] = 0
                 continue
+            if streaks[at] == N_WINDOWS:  # also while a dot moves beside it
+                n_hot += 1
+                continue
             n_alike = -1  # itself
             for near_y in range(max(y - 1, 0), min(y + 2, SENSOR_HEIGHT_PX)):
                 for near_x in range(max(x - 1, 0), min(x + 2, SENSOR_WIDTH_PX)):
                     n_alike += 2 * counts[near_y * SENSOR_WIDTH_PX + near_x] >= counts[at]
-            streaks[at] = min(streaks[at] + 1, N_WINDOWS) if n_alike <= MOST_ALIKE else 0
+            streaks[at] = streaks[at] + 1 if n_alike <= MOST_ALIKE else 0
             n_hot += streaks[at] == N_WINDOWS
     counts[:] = 0
     return n_hot
