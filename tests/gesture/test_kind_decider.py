@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.gesture.elastic.fingers import MOTION
+from neurotouch_hid.gesture.elastic.kernels.arrays import MOTION
 from neurotouch_hid.gesture.elastic.kind_decider import KindDecider
 from neurotouch_hid.messages import GestureKind
 
