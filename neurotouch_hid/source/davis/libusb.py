@@ -38,8 +38,6 @@ WAKE_S: Final = 60e-6
 """The thread wakes up this time before data is needed. What has come by then is not enough."""
 DRAIN_S: Final = 5.0
 """A cancelled transfer comes back within milliseconds; Linux has lost one that takes this long."""
-REQUEUE_S: Final = 0.1
-"""The same in play, which goes on with other transfers. Their memory is freed only at the end."""
 
 _libusb: Final = usb1.libusb1
 _IN_FLIGHT: Final = -1
@@ -91,7 +89,7 @@ class LibusbTransport:
 
     def __init__(self, bus: int, address: int) -> None:
         self._receive: Receive = len
-        self._transfers: list[_Transfer] = []  # those that Linux has lost, too
+        self._transfers: list[_Transfer] = []
         self._in_flight: deque[_Transfer] = deque()  # in the order in which they will end
         self._ending = self._gone = self._halted = False
         self._closing = contextlib.ExitStack()
@@ -130,15 +128,15 @@ class LibusbTransport:
         return buffer.raw[:n] if is_read else b""
 
     def queue(self, receive: Receive) -> None:
-        """Clears the endpoint and submits all transfers, new ones for those that Linux has lost."""
-        self._drain(REQUEUE_S)
-        self._lose(len(self._in_flight))
+        """Clears the endpoint and submits all transfers."""
+        if not self._drain():
+            raise CameraError("The camera's transfers do not come back.")
         self._receive = receive
         self._halted = False
         _require(_libusb.libusb_clear_halt(self._handle, ENDPOINT), "read")
-        ended = [each for each in self._transfers if each.fields.status != _IN_FLIGHT]
-        ended += [self._make_transfer() for _ in range(N_TRANSFERS - len(ended))]
-        for transfer in ended:
+        while len(self._transfers) < N_TRANSFERS:
+            self._transfers.append(self._make_transfer())
+        for transfer in self._transfers:
             _require(self._submit(transfer), "read")
 
     def pump(self, timeout_s: float, rest_until_s: float) -> None:
@@ -151,7 +149,7 @@ class LibusbTransport:
         if rest_s > 0 and time.monotonic() < rest_until_s:
             self._await_transfers(timeout_s)
         if self._gone:
-            self._drain(DRAIN_S)  # some transfers may have been filled before
+            self._drain()  # some transfers may have been filled before
             raise CameraGoneError("The camera is gone.")
         if self._halted:
             raise StreamHaltedError("The camera's stream has stalled.")
@@ -161,8 +159,7 @@ class LibusbTransport:
 
         A camera whose transfers do not come back stays open: closing it would wait for them.
         """
-        self._in_flight = deque(t for t in self._transfers if t.fields.status == _IN_FLIGHT)
-        if self._drain(DRAIN_S):
+        if self._drain():
             while self._transfers:
                 _libusb.libusb_free_transfer(self._transfers.pop().pointer)
             self._closing.close()
@@ -188,14 +185,13 @@ class LibusbTransport:
         raise CameraGoneError("The camera is gone.")
 
     def _make_transfer(self) -> _Transfer:
-        """Returns a transfer that has ended; without a callback, its status tells when it has."""
+        """Returns a transfer without a callback: its status says that it has ended."""
         pointer, data = _libusb.libusb_alloc_transfer(0), (c_char * TRANSFER_BYTES)()
         none = _libusb.libusb_transfer_cb_fn_p()
         _libusb.libusb_fill_bulk_transfer(
             pointer, self._handle, ENDPOINT, data, TRANSFER_BYTES, none, None, 0
         )
-        self._transfers.append(_Transfer(pointer, pointer.contents, data))
-        return self._transfers[-1]
+        return _Transfer(pointer, pointer.contents, data)
 
     def _submit(self, transfer: _Transfer) -> int:
         transfer.fields.status = _IN_FLIGHT
@@ -209,8 +205,7 @@ class LibusbTransport:
         try:
             self._handle_events(timeout_s)
         finally:  # data from before the failure is good
-            if not self._take_ended():
-                self._pass_over_lost()
+            self._take_ended()
 
     def _handle_events(self, timeout_s: float) -> None:
         self._wait.tv_usec = round(1e6 * timeout_s)
@@ -221,31 +216,14 @@ class LibusbTransport:
     def _take_ended(self) -> bool:
         """Takes the transfers that have ended; returns whether there are any."""
         in_flight, has_any = self._in_flight, False
-        while in_flight and in_flight[0].fields.status != _IN_FLIGHT:
+        while in_flight:
+            if in_flight[0].fields.status == _IN_FLIGHT:
+                if len(in_flight) == 1 or in_flight[1].fields.status == _IN_FLIGHT:
+                    break
+                in_flight.rotate(-1)  # Linux has lost it
             self._complete(in_flight.popleft())
             has_any = True
         return has_any
-
-    def _pass_over_lost(self) -> None:
-        """Takes transfers that have ended before older ones; new ones replace those.
-
-        Linux ends transfers in order, so it has lost the older ones. It may still write to them.
-        """
-        ended = (k for k, each in enumerate(self._in_flight) if each.fields.status != _IN_FLIGHT)
-        n_lost = next(ended, 0)
-        if n_lost:
-            self._lose(n_lost)
-            for _ in range(n_lost):
-                self._complete(self._make_transfer())  # it ends without data, and is submitted
-            self._take_ended()
-
-    def _lose(self, n: int) -> None:
-        """Waits no longer for the oldest transfers in flight; their data is missing."""
-        if n and len(self._transfers) == N_TRANSFERS:  # the first ones
-            log.warning("Linux has lost %d of the camera's transfers; play goes on.", n)
-        for _ in range(n):
-            self._in_flight.popleft()
-            self._receive(b"")
 
     def _complete(self, transfer: _Transfer) -> None:
         """Passes on the data of an ended transfer, and submits it again."""
@@ -265,7 +243,7 @@ class LibusbTransport:
             self._gone |= result == usb1.ERROR_NO_DEVICE
             self._halted |= result != usb1.ERROR_NO_DEVICE
 
-    def _drain(self, within_s: float) -> bool:
+    def _drain(self) -> bool:
         """Cancels transfers in flight and waits for them: libusb writes to them until then.
 
         Returns:
@@ -274,7 +252,7 @@ class LibusbTransport:
         self._ending = True
         for transfer in self._in_flight:
             _libusb.libusb_cancel_transfer(transfer.pointer)  # or it has ended, or is gone
-        deadline_s = time.monotonic() + within_s
+        deadline_s = time.monotonic() + DRAIN_S
         while self._in_flight and time.monotonic() < deadline_s:
             with contextlib.suppress(CameraError):
                 self._handle_events(0.1)
@@ -284,7 +262,7 @@ class LibusbTransport:
                     self._in_flight.append(transfer)
                 else:
                     self._complete(transfer)
-        self._ending = False
+        self._ending = bool(self._in_flight)
         return not self._in_flight
 
 

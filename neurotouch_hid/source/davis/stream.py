@@ -37,11 +37,8 @@ IDLE_FRAME_S: Final = 0.25
 """How often an idle camera is asked for a frame: an idle pipeline uses each of them."""
 COUNT_S: Final = 1.0
 """Interval at which the camera's count of dropped events is read."""
-PAUSE_S: Final = 0.1
-"""A camera sends a time word at least every 33 ms. After a longer pause than this the transfers are
-cancelled, and data is asked for again: Linux may have lost them all."""
 SILENCE_S: Final = 2.0
-"""A camera that is silent this long has failed."""
+"""A camera sends a time word at least every 33 ms: one that is silent this long has failed."""
 FAULTS_S: Final = 5.0
 MAX_STALLS: Final = 3
 """With this many within FAULTS_S, the camera has failed."""
@@ -98,7 +95,7 @@ class Stream:
         self._slicer = Slicer(slice_us, self.end_us)
         self._stream_check = StreamCheck(self.end_us, self._begun_s)
         self._is_idle = False
-        self._paced_s = self._retry_s = self._queued_s = 0.0
+        self._paced_s = self._retry_s = 0.0
         self._stats = self._decoder.stats()
         self._n_impossible = 0
         self._partial_us = -1
@@ -233,7 +230,7 @@ class Stream:
             self._put(replace(partial, gap=self._gap))
 
     def _check(self, looked_s: float) -> None:
-        """Ends a run that has failed; asks a camera that pauses for data again, once in a pause.
+        """Ends a run that has failed.
 
         The camera counts as silent only if a read that began late enough found nothing: on a busy
         machine, time also passes between two reads.
@@ -241,13 +238,8 @@ class Stream:
         Args:
             looked_s: when the last read began.
         """
-        silence_s = looked_s - self.heard_s
-        if silence_s > SILENCE_S:
+        if looked_s - self.heard_s > SILENCE_S:
             raise CameraError("The camera sends nothing.")
-        if silence_s > PAUSE_S and self._queued_s < self.heard_s and self._decoder.is_synced:
-            self._queued_s = looked_s
-            self._camera.transport.queue(self._chunks.append)
-            self._chunks.append(b"")
         if not self._decoder.is_synced and looked_s - self._begun_s > SILENCE_S:
             raise CameraError("The camera does not set its clock.")
         if self._faults_s and _are_many(self._faults_s):

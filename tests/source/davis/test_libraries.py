@@ -78,15 +78,11 @@ def test_libusb_tells_at_once_that_a_camera_comes_or_goes():
     assert json.loads(done.stdout) == ["heard"] * 6
 
 
-@pytest.mark.parametrize("n", [1, 2, 64, 128])
-def test_transfers_that_linux_has_lost_hold_up_neither_play_nor_the_end(n):
-    said = play("libusb1", f"lost+5x{n}", n_events=N_EVENTS // 2)
-    assert said["n_events"] >= N_EVENTS // 2
-    assert said["gap"] >= n
-    assert said["n_faults"] >= n
+def test_a_transfer_that_linux_has_lost_holds_up_neither_play_nor_the_end():
+    said = play("libusb1", "lost+5")
+    assert said["fingerprint"] == fingerprint(EVENTS)
     assert said["n_connects"] == 1
-    assert f"Linux has lost {n} of the camera's transfers" in said["errors"]
-    assert f"Linux does not give back {n} of the camera's transfers." in said["errors"]
+    assert "Linux does not give back 1 of the camera's transfers." in said["errors"]
 
 
 @pytest.mark.parametrize("library", ["libusb1", "pyusb"])

@@ -787,24 +787,6 @@ def test_a_silent_camera_is_opened_anew():
     assert packets[1].t_begin_us >= 2_000_000
 
 
-def test_a_camera_that_pauses_is_asked_again_once_before_it_is_opened_anew():
-    camera = ScriptedCamera()
-
-    def play_on(receive):
-        camera.receive, camera.silent = receive, False
-        camera.script.append(make_rest(11))
-
-    def pause():
-        camera.silent, camera.queue = True, play_on
-
-    camera.at_reset.append([make_events(0, 11), pause])
-    with open_camera(camera) as source:
-        packets = take(source, 2)
-        assert (source.stats().n_connects, source.stats().n_faults) == (1, 1)
-    assert_sound(packets)
-    assert [packet.gap for packet in packets] == [0, 1]
-
-
 def test_a_driver_that_had_no_time_to_look_blames_no_camera():
     camera = ScriptedCamera()
     camera.at_reset.append([make_events(0, 11), lambda: time.sleep(2.1), make_rest(11)])
