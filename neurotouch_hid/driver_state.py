@@ -15,13 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.errors import DriverError
-from neurotouch_hid.geometry import Gel, fit_rig
+from neurotouch_hid.geometry import MOST_MARKERS, Gel, fit_rig
 from neurotouch_hid.messages import MarkerField
 from neurotouch_hid.status import GelFacts, PadFacts, RumbleState
 from neurotouch_hid.vocabulary import Phase, PipelineState
 
 STEP_MM: Final = 0.01
-MOST_MARKERS: Final = 400
 _BEGIN: Final = 8
 _MARKER_BYTES: Final = 9
 

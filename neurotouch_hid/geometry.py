@@ -11,6 +11,7 @@ Floats = NDArray[np.float64]
 
 NOMINAL_PX_PER_MM = 2.5  # [NT, "Results"]: r = 30 px is about 12 mm
 NOMINAL_PITCH_PX = 10.0  # the same for markers that are 4 mm apart
+MOST_MARKERS = 400  # of a gel: records of kernels and the driver's state have so many places
 _NEAR = 1.6  # pitches: the diagonal of a square is nearer, the next but one marker is not
 _ROUNDING_MM = 1e-9
 _WIDEST_RIM_MM = 31.0  # of the paper's gel; the closed forms fit finite elements with it

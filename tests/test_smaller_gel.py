@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.geometry import Rig, make_gel, place_square
+from neurotouch_hid.geometry import MOST_MARKERS, Rig, make_gel, place_square
 from neurotouch_hid.gesture.elastic.fingers import FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.arrays import NOW
 from neurotouch_hid.gesture.elastic.kernels.fit import RIM_WIDTH_MM
@@ -47,3 +47,10 @@ def test_fingers_are_found_as_a_smaller_gel_follows_them(monkeypatch):
     assert motion.n_fingers == 2
     assert motion.error_mm < 0.02  # with the rim of the gel of the paper: 0.06
     assert np.hypot(*fingers.arrays.fits[NOW]["centres"][:2].T).max() <= SMALL.rim_mm - RIM_WIDTH_MM
+
+
+def test_a_gel_with_more_markers_than_kernels_have_places_for_is_refused():
+    many = make_gel("many", place_square(1.0, 12.0), pitch_mm=1.0, radius_mm=12.0)
+    assert many.n_markers > MOST_MARKERS
+    with pytest.raises(ValueError, match=f"at most {MOST_MARKERS} markers, not {many.n_markers}"):
+        FingerTracker(gel=many)

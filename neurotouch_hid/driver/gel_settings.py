@@ -10,6 +10,7 @@ from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.driver.making_settings import Making
 from neurotouch_hid.geometry import (
+    MOST_MARKERS,
     PAPER_GEL,
     Gel,
     make_gel,
@@ -31,7 +32,6 @@ from neurotouch_hid.vocabulary import (
 )
 
 LEAST_DOTS: Final = 40
-MOST_DOTS: Final = 400
 MOST_FAR_MM: Final = 31.0
 """Farther from the middle the recogniser does not expect any gel."""
 
@@ -82,7 +82,7 @@ class Layout(Strict):
     points_mm: (
         Annotated[
             list[Annotated[list[Coordinate], Field(min_length=2, max_length=2)]],
-            Field(min_length=LEAST_DOTS, max_length=MOST_DOTS),
+            Field(min_length=LEAST_DOTS, max_length=MOST_MARKERS),
         ]
         | None
     ) = _key("Centre of each dot in mm, [[x, y], ...]. Default: none.", "mm")
@@ -115,11 +115,11 @@ class Layout(Strict):
         """Checks how many dots there are, and how far from the middle."""
         at = next(key for key in ("radius_mm", "columns", "points_mm") if key in _NEEDS[self.kind])
         n = self.count()
-        if not LEAST_DOTS <= n <= MOST_DOTS:
+        if not LEAST_DOTS <= n <= MOST_MARKERS:
             raise PydanticCustomError(
                 "layout",
                 "gives {n} dots, and a gel has {least} to {most}",
-                {"n": n, "least": LEAST_DOTS, "most": MOST_DOTS, "at": (at,)},
+                {"n": n, "least": LEAST_DOTS, "most": MOST_MARKERS, "at": (at,)},
             )
         far_mm = np.hypot(*self.place().T)
         if far_mm.max() > MOST_FAR_MM + 1e-6:
@@ -140,7 +140,7 @@ class Layout(Strict):
             return (self.columns or 0) * (self.rows or 0)
         if self.kind != "points":
             radius_mm, pitch_mm = self.radius_mm or 0.0, self._pitches()[0]
-            if math.pi * (radius_mm / pitch_mm) ** 2 > 2 * MOST_DOTS:
+            if math.pi * (radius_mm / pitch_mm) ** 2 > 2 * MOST_MARKERS:
                 return round(math.pi * (radius_mm / pitch_mm) ** 2)
         return len(self.place())
 

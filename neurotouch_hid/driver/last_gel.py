@@ -15,9 +15,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from neurotouch_hid.driver.camera_settings import load_camera_settings
-from neurotouch_hid.driver.gel_settings import MOST_DOTS
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
-from neurotouch_hid.geometry import Gel
+from neurotouch_hid.geometry import MOST_MARKERS, Gel
 from neurotouch_hid.messages import GelState
 from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.players import find_player, find_user_file
@@ -29,7 +28,7 @@ _MOST_GELS: Final = 16
 _FORGET_STARTS: Final = 10
 """A dot that was seen at so many starts in a row is missing no more."""
 
-_Dot = Annotated[int, Field(ge=0, lt=MOST_DOTS)]
+_Dot = Annotated[int, Field(ge=0, lt=MOST_MARKERS)]
 _Model = ConfigDict(extra="forbid", strict=True)
 
 
@@ -48,9 +47,9 @@ class _KnownGel(BaseModel):
 
     camera: Annotated[str, Field(max_length=500)]
     layout: Annotated[str, Field(max_length=64)]
-    told: Annotated[list[_Dot], Field(max_length=MOST_DOTS)] = []
-    starts: Annotated[list[int], Field(max_length=MOST_DOTS)] = []
-    doubtful: Annotated[list[_Dot], Field(max_length=MOST_DOTS)] = []
+    told: Annotated[list[_Dot], Field(max_length=MOST_MARKERS)] = []
+    starts: Annotated[list[int], Field(max_length=MOST_MARKERS)] = []
+    doubtful: Annotated[list[_Dot], Field(max_length=MOST_MARKERS)] = []
 
     @model_validator(mode="after")
     def _has_starts_of_each(self) -> Self:

@@ -5,15 +5,13 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.geometry import MOST_MARKERS
 from neurotouch_hid.vocabulary import GestureKind
 
 Floats = NDArray[np.float64]
 
 MOST: Final = 3
 """Fingers of a gesture [NT, "Creation of the Gesture Detection Dataset"]."""
-
-MOST_MARKERS: Final = 400
-"""Markers of a gel [docs/research/formats.md]."""
 
 N_SIDES: Final = 32
 """Sides of the polygon around the dots in which fingers are."""
@@ -202,7 +200,18 @@ class FingerArrays(NamedTuple):
 
 
 def make_arrays(n: int, sites: Floats, rules: NDArray[np.void]) -> FingerArrays:
-    """Returns the arrays for n markers, all else 0 that is not given; see ``FingerArrays``."""
+    """Returns the arrays for n markers; what is not given is 0.
+
+    Args:
+        n: markers.
+        sites: see ``FingerArrays``.
+        rules: see ``FingerArrays``.
+
+    Raises:
+        ValueError: kernels would write beyond the records' places.
+    """
+    if n > MOST_MARKERS:
+        raise ValueError(f"A gel has at most {MOST_MARKERS} markers, not {n}.")
     gel = np.zeros(1, GEL)
     gel["n_markers"] = n
     return FingerArrays(
