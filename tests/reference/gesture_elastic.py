@@ -120,8 +120,8 @@ def measure_motion(centres, radii, motions):
     common = sum(drag) / n
     if n == 1:
         rotation, scale = math.asin(motions[0][2]), 1.0
+        turn = abs(rotation) * 0.7 * radii[0] / 2.0
         parts[1] = abs(common)
-        turn = abs(rotation) * (12.0 if parts[1] >= 0.3 else 0.7 * radii[0] / 2.0)
     else:
         arm = [place - sum(rest) / n for place in rest]
         inertia = sum(abs(a) ** 2 for a in arm)

@@ -22,11 +22,6 @@ LEVER = 0.7
 """rms distance of a disc's points from its centre, as a share of its radius."""
 TURN_GAIN = 2.0
 """How much more a single finger must turn than drag to be a twist: a tip that drags turns too."""
-ARC_MM = 0.3
-PIVOT_MM = 12.0
-"""A single finger that has dragged by ``ARC_MM`` is part of a twist too if it goes round a place
-nearer than ``PIVOT_MM``: the middle of a hand whose other fingers keep still. One that pushes goes
-round the wrist, or straight on."""
 
 SEVERAL_MM = 0.05
 """By how much more several fingers must go the same way to be a push: most that land together do
@@ -100,9 +95,8 @@ def measure_motion(
     x, y, dx, dy = x / n, y / n, dx / n, dy / n
     if n == 1:
         rotation, scale = math.asin(min(max(motions[0, TURN], -1.0), 1.0)), 1.0
+        turn = abs(rotation) * LEVER * radii[0] / TURN_GAIN
         parts[_PUSH] = math.hypot(dx, dy)
-        reach = PIVOT_MM if parts[_PUSH] >= ARC_MM else LEVER * radii[0] / TURN_GAIN
-        turn = abs(rotation) * reach
     else:
         inertia = along = across = 0.0
         for j in range(n):
