@@ -16,7 +16,7 @@ from neurotouch_hid.labelling.look_through import Moments
 from neurotouch_hid.labelling.sheet import Sheet
 from neurotouch_hid.labelling.track import UNLABELLED, Track
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GestureKind
-from neurotouch_hid.page.hub import Client
+from neurotouch_hid.page.browser import Browser
 from neurotouch_hid.page.reading import read_number
 
 PAGES: Final = {"/": "/label/label.html"}
@@ -55,13 +55,13 @@ class LabelHost:
         self._moments, self._file, self._name = moments, file, name
         self._other, self._other_name = other, other_name
         self._doubts = [[doubt.moment, doubt.reason] for doubt in find_doubts(moments)]
-        self._clients: set[Client] = set()
+        self._browsers: set[Browser] = set()
         self._turn = asyncio.Lock()
 
     @property
-    def n_clients(self) -> int:
+    def n_browsers(self) -> int:
         """The number of browsers."""
-        return len(self._clients)
+        return len(self._browsers)
 
     async def run(self) -> None:
         """Does nothing: all that happens is asked for."""
@@ -69,25 +69,25 @@ class LabelHost:
     async def close(self) -> None:
         """Does nothing: every change is saved already."""
 
-    async def serve(self, client: Client, hz: int) -> None:  # noqa: ARG002  # nothing is streamed
+    async def serve(self, browser: Browser, hz: int) -> None:  # noqa: ARG002  # nothing is streamed
         """Talks with a browser, until it disconnects."""
-        self._clients.add(client)
+        self._browsers.add(browser)
         try:
-            client.queue_message({"hello": True, "recording": self._describe()})
-            client.queue_message({"sheet": self._describe_sheet()})
-            await client.talk(partial(self._hear, client))
+            browser.queue_message({"hello": True, "recording": self._describe()})
+            browser.queue_message({"sheet": self._describe_sheet()})
+            await browser.talk(partial(self._hear, browser))
         finally:
-            self._clients.discard(client)
+            self._browsers.discard(browser)
 
-    async def _hear(self, client: Client, message: str | bytes) -> None:
+    async def _hear(self, browser: Browser, message: str | bytes) -> None:
         request = read_object(message)
         if request is None:
-            client.queue_message({"refused": "The message cannot be read."})
+            browser.queue_message({"refused": "The message cannot be read."})
             return
         n = request.get("n")
         try:
             if request.get("do") == "show":
-                client.queue_message({"moment": self._describe_moment(self._read_moment(request))})
+                browser.queue_message({"moment": self._describe_moment(self._read_moment(request))})
                 return
             async with self._turn:
                 about = self._read_change(request)()
@@ -96,12 +96,12 @@ class LabelHost:
                     labels = self.sheet.labels.part(0, len(self._moments) - 1)
                     await asyncio.to_thread(self._file.write, labels)
                 finally:
-                    for each in self._clients:
+                    for each in self._browsers:
                         each.queue_message({"sheet": sheet})
-            client.queue_message({"saved": f"{about}.", "n": n})
+            browser.queue_message({"saved": f"{about}.", "n": n})
         except NeuroTouchError as error:
             hint = f" {error.hint}" if error.hint else ""
-            client.queue_message({"refused": f"{error.message}{hint}", "n": n})
+            browser.queue_message({"refused": f"{error.message}{hint}", "n": n})
 
     def _read_change(self, request: Mapping[str, Any]) -> Callable[[], str]:
         """Returns what changes the sheet as a page asks, and says what was done."""

@@ -11,8 +11,8 @@ from typing import Any, Final, Self
 
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.ipc import read_object
+from neurotouch_hid.page.browser import Browser
 from neurotouch_hid.page.guard import Guard, make_token
-from neurotouch_hid.page.hub import Client
 from neurotouch_hid.page.server import Server, open_sockets
 
 PAGES: Final = {"/": "/guide/guide.html"}
@@ -86,11 +86,11 @@ class _Host:
         self.pressed: deque[str] = deque(maxlen=_MOST_WAITING)
         self.is_ready = threading.Event()
         self._shown, self._number = shown, 0
-        self._seen: dict[Client, int] = {}
+        self._seen: dict[Browser, int] = {}
         self._stop = asyncio.Event()
 
     @property
-    def n_clients(self) -> int:
+    def n_browsers(self) -> int:
         """The number of browsers."""
         return len(self._seen)
 
@@ -118,33 +118,35 @@ class _Host:
     async def close(self) -> None:
         """Does nothing: nothing is kept."""
 
-    async def serve(self, client: Client, hz: int) -> None:  # noqa: ARG002  # nothing is streamed
+    async def serve(self, browser: Browser, hz: int) -> None:  # noqa: ARG002  # nothing is streamed
         """Talks with a browser, until it disconnects."""
-        self._seen[client] = -1
+        self._seen[browser] = -1
         try:
-            self._send(client)
-            await client.talk(partial(self._hear, client))
+            self._send(browser)
+            await browser.talk(partial(self._hear, browser))
         finally:
-            del self._seen[client]
+            del self._seen[browser]
 
     def _change(self, changed: dict[str, Any]) -> None:
         self._shown |= changed
         self._number += 1
-        for client in self._seen:
-            self._send(client)
+        for browser in self._seen:
+            self._send(browser)
 
-    def _send(self, client: Client) -> None:
-        client.queue_message({"shown": self._shown, "number": self._number})
+    def _send(self, browser: Browser) -> None:
+        browser.queue_message({"shown": self._shown, "number": self._number})
 
-    async def _hear(self, client: Client, message: str | bytes) -> None:
+    async def _hear(self, browser: Browser, message: str | bytes) -> None:
         request = read_object(message) or {}
         number, key = request.get("seen"), request.get("press")
         if isinstance(number, int):
-            self._seen[client] = number
+            self._seen[browser] = number
         elif isinstance(key, str) and key in [each[0] for each in self._shown["keys"]]:
             self.pressed.append(key)
         else:
-            client.queue_message({"refused": "The page asks for something unknown. Load it again."})
+            browser.queue_message(
+                {"refused": "The page asks for something unknown. Load it again."}
+            )
 
     async def _end(self) -> None:
         until_s = time.monotonic() + _LAST_S

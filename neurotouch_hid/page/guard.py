@@ -1,4 +1,4 @@
-"""Access rules of the page's server: host, origin, token, and limits on clients and messages."""
+"""Access rules of the page's server: host, origin, token, and limits on browsers and messages."""
 
 import hashlib
 import hmac
@@ -11,7 +11,7 @@ from typing import Final, Protocol, cast
 
 from neurotouch_hid.errors import PageError
 
-MOST_CLIENTS: Final = 4
+MOST_BROWSERS: Final = 4
 """Those who have shown the token. Nobody else can take these places."""
 
 MOST_WAITING: Final = 256
@@ -24,13 +24,13 @@ MESSAGES_PER_S: Final = 250.0
 """A mouse reports 125 times a second, a very quick one 1000, which the page thins out."""
 
 TOKEN_S: Final = 5.0
-"""Time within which a client must send its token."""
+"""Time within which a browser must send its token."""
 
 TICKET_S: Final = 60.0
 """Time for which a ticket opens the page: a browser may have to start first."""
 
 SILENCE_S: Final = 20.0
-"""Interval of pings to a client; without an answer, it is dropped after twice this time."""
+"""Interval of pings to a browser; without an answer, it is dropped after twice this time."""
 
 LEAST_TOKEN: Final = 22
 """Characters of 64 kinds: 132 bits."""
@@ -175,7 +175,7 @@ class Waiting:
 
 
 class Rate:
-    """Limits the messages of a client: a token bucket."""
+    """Limits the messages of a browser: a token bucket."""
 
     def __init__(self, per_s: float = MESSAGES_PER_S) -> None:
         self._per_s = per_s

@@ -1,23 +1,18 @@
 """Forwards the driver's newest state to each browser, as fast as the browser can take it."""
 
 import asyncio
-import json
 import time
-from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Unpack
-
-from websockets.asyncio.server import ServerConnection
-from websockets.exceptions import ConnectionClosed
+from typing import TYPE_CHECKING, Any, Final
 
 from neurotouch_hid.driver_state import read_head
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.files.small_file import find_real_path
 from neurotouch_hid.ipc import HAND, connect_to, read_object
+from neurotouch_hid.page.browser import Browser
 from neurotouch_hid.page.edits import Changes
-from neurotouch_hid.page.guard import Rate
 from neurotouch_hid.page.messages import PageMessage, SituationState
 from neurotouch_hid.page.own_values import (
     OwnValues,
@@ -53,74 +48,6 @@ MOST_HZ: Final = 60
 MOST_TRIALS: Final = 500
 
 
-class Client:
-    """A browser. A slow one misses states: only the newest state waits.
-
-    Attributes:
-        pauses: the driver is paused for as long as this browser waits for a movement.
-    """
-
-    def __init__(self, socket: ServerConnection) -> None:
-        self.socket = socket
-        self.hz = 0
-        self.rate = Rate()
-        self.pauses = False
-        self._state: bytes | None = None
-        self._words: list[str] = []
-        self._due_s = 0.0
-        self._bell = asyncio.Event()
-
-    def queue_state(self, state: bytes) -> None:
-        """Queues the newest state, if it is time for one."""
-        now = time.monotonic()
-        if self.hz and now >= self._due_s:
-            # A little early is in time, or 30 of 60 would become 20.
-            self._due_s = max(self._due_s + 1.0 / self.hz, now - 0.5 / self.hz)
-            self._state = state
-            self._bell.set()
-
-    def end_states(self) -> None:
-        """Drops the state that waits: it is of a driver that has ended."""
-        self._state = None
-
-    def tell(self, **message: Unpack[PageMessage]) -> None:
-        """Queues a message; none of these is dropped, and there are few."""
-        self.queue_message(message)
-
-    def queue_message(self, message: Mapping[str, Any]) -> None:
-        """Queues a message of any page."""
-        self._words.append(json.dumps(message, separators=(",", ":")))
-        self._bell.set()
-
-    async def talk(self, hear: Callable[[str | bytes], Awaitable[object]]) -> None:
-        """Sends what is queued and hands on what comes, until the browser disconnects."""
-        sender = asyncio.create_task(self.send())
-        try:
-            async for message in self.socket:
-                if not self.rate.allows():
-                    await self.socket.close(1008, "too many messages")
-                    return
-                await hear(message)
-        except ConnectionClosed:
-            pass
-        finally:
-            sender.cancel()
-            with suppress(asyncio.CancelledError, ConnectionClosed):
-                await sender
-
-    async def send(self) -> None:
-        """Sends queued messages until the browser disconnects."""
-        while True:
-            await self._bell.wait()
-            self._bell.clear()
-            words, self._words = self._words, []
-            for word in words:
-                await self.socket.send(word)
-            state, self._state = self._state, None
-            if state is not None:
-                await self.socket.send(state)
-
-
 class Hub:
     """All browsers of a server, and the one driver that they watch.
 
@@ -142,7 +69,7 @@ class Hub:
         self._situation: SituationState | None = None
         self._plugged: StartName = ""
         self._listener = Subscriber()
-        self._clients: set[Client] = set()
+        self._browsers: set[Browser] = set()
         self._came = asyncio.Event()  # a browser, which waits for nothing
         self._path = Path()
         self._stamps: tuple[Any, ...] = ()
@@ -154,14 +81,14 @@ class Hub:
         self._heard_s = 0.0
 
     @property
-    def n_clients(self) -> int:
+    def n_browsers(self) -> int:
         """The number of browsers."""
-        return len(self._clients)
+        return len(self._browsers)
 
     async def run(self) -> None:
         """Connects to a driver, and to the next one when it has ended; never returns."""
         while True:
-            if self._clients:
+            if self._browsers:
                 self._connect()
                 self._look_at_profile()
                 await self._look_around()
@@ -202,8 +129,8 @@ class Hub:
             self._tell_all({"plugged": plugged})
 
     def _tell_all(self, message: PageMessage) -> None:
-        for client in self._clients:
-            client.tell(**message)
+        for browser in self._browsers:
+            browser.tell(**message)
 
     def _connect(self) -> None:
         """Looks for a driver, and for the person's own one while the service is watched."""
@@ -217,40 +144,40 @@ class Hub:
             self._forget_driver(descriptor)
         loop.add_reader(peer.fileno(), self._receive, peer.fileno())
         self._heard_s = time.monotonic()
-        for client in self._clients:
-            client.tell(driver=True)
+        for browser in self._browsers:
+            browser.tell(driver=True)
 
     def _forget_driver(self, descriptor: int) -> None:
         asyncio.get_running_loop().remove_reader(descriptor)
         self._newest = None
-        for client in self._clients:
-            client.end_states()
-            client.tell(driver=False)
+        for browser in self._browsers:
+            browser.end_states()
+            browser.tell(driver=False)
 
-    async def serve(self, client: Client, hz: int) -> None:
+    async def serve(self, browser: Browser, hz: int) -> None:
         """Serves a browser that has sent the token, until it disconnects."""
         self._look_at_profile()  # for the other browsers; this one gets the profile below
-        self._clients.add(client)
+        self._browsers.add(browser)
         self._came.set()
         try:
-            client.hz = min(max(hz, 0), MOST_HZ)
+            browser.hz = min(max(hz, 0), MOST_HZ)
             self._connect()
             self._set_rate()
             runs = self._listener.peer is not None
-            client.tell(hello=True, edit=self._edit, far=self._is_far, driver=runs)
+            browser.tell(hello=True, edit=self._edit, far=self._is_far, driver=runs)
             if self._about is not None:
-                client.tell(about=self._about)
-            client.tell(own=self._own)
+                browser.tell(about=self._about)
+            browser.tell(own=self._own)
             if self._situation is not None:
-                client.tell(situation=self._situation)
+                browser.tell(situation=self._situation)
             if self._plugged:
-                client.tell(plugged=self._plugged)
+                browser.tell(plugged=self._plugged)
             for news in self._requests.news:
-                client.tell(**news)
-            await client.talk(partial(self._hear, client))
+                browser.tell(**news)
+            await browser.talk(partial(self._hear, browser))
         finally:
-            self._clients.discard(client)
-            if client.pauses:  # nobody else goes on
+            self._browsers.discard(browser)
+            if browser.pauses:  # nobody else goes on
                 with suppress(NeuroTouchError):
                     await self._requests.carry_out({"do": "resume"}, self._path)
             self._set_rate()
@@ -264,7 +191,7 @@ class Hub:
 
     @property
     def _wanted_hz(self) -> int:
-        return max((client.hz for client in self._clients), default=0)
+        return max((browser.hz for browser in self._browsers), default=0)
 
     def _set_rate(self) -> None:
         if not self._listener.hz:  # nothing was asked for until now
@@ -279,8 +206,8 @@ class Hub:
         if state is None:
             return
         self._heard_s = time.monotonic()
-        for client in self._clients:
-            client.queue_state(state)
+        for browser in self._browsers:
+            browser.queue_state(state)
         is_first, self._newest = self._newest is None, state
         if is_first:
             self._look_at_profile()
@@ -303,8 +230,8 @@ class Hub:
             except NeuroTouchError as error:
                 can = self._edit and can_undo(path)
                 self._about = {"fault": error.message, "can_undo": can}
-        for client in self._clients:
-            client.tell(about=self._about, driver=runs)
+        for browser in self._browsers:
+            browser.tell(about=self._about, driver=runs)
 
     def _look_at_own(self) -> None:
         """Tells the browsers of the person's own values, if they have changed."""
@@ -313,39 +240,41 @@ class Hub:
             return
         self._own_stamps = stamps
         self._own = describe_own()
-        for client in self._clients:
-            client.tell(own=self._own)
+        for browser in self._browsers:
+            browser.tell(own=self._own)
 
-    async def _hear(self, client: Client, message: str | bytes) -> None:
+    async def _hear(self, browser: Browser, message: str | bytes) -> None:
         """Carries out a browser's request; reports refused ones to the browser."""
         request = read_object(message)
         if request is None:
-            client.tell(refused="The message cannot be read.")
+            browser.tell(refused="The message cannot be read.")
             return
         number = request.get("n")
         n = number if isinstance(number, int) else None
         try:
             match request.get("do"):
                 case "rate" if isinstance(request.get("hz"), int):
-                    client.hz = min(max(request["hz"], 0), MOST_HZ)
+                    browser.hz = min(max(request["hz"], 0), MOST_HZ)
                     self._set_rate()
                 case "hand":
                     self._steer(message if isinstance(message, bytes) else message.encode())
                 case "throughput":
-                    client.tell(throughput=await asyncio.to_thread(_measure, request.get("trials")))
+                    browser.tell(
+                        throughput=await asyncio.to_thread(_measure, request.get("trials"))
+                    )
                 case verb:
                     reply = await self._requests.carry_out(request, self._path)
                     if verb in ("pause", "resume"):
-                        client.pauses = verb == "pause" and request.get("for") == "movement"
+                        browser.pauses = verb == "pause" and request.get("for") == "movement"
                     answer: PageMessage = {**reply, "n": n}
                     self._look_at_profile()  # first: what is said to be saved is shown already
-                    client.tell(**answer)
+                    browser.tell(**answer)
         except NeuroTouchError as error:
             hint = f" {error.hint}" if error.hint else ""
-            client.tell(refused=f"{error.message}{hint}", n=n)
+            browser.tell(refused=f"{error.message}{hint}", n=n)
             if self._about is not None:
-                client.tell(about=self._about)  # a mark that was dragged goes back
-            client.tell(own=self._own)
+                browser.tell(about=self._about)  # a mark that was dragged goes back
+            browser.tell(own=self._own)
 
     def _steer(self, message: bytes) -> None:
         """Forwards a command of the mouse gel to the simulator, if the simulator is the source.

@@ -21,17 +21,17 @@ from websockets.typing import Origin
 
 from neurotouch_hid.errors import PageError
 from neurotouch_hid.ipc import find_tcp_user, read_object
+from neurotouch_hid.page.browser import Browser
 from neurotouch_hid.page.guard import (
     HEADERS,
     LOCAL,
+    MOST_BROWSERS,
     MOST_BYTES,
-    MOST_CLIENTS,
     SILENCE_S,
     TOKEN_S,
     Guard,
     Waiting,
 )
-from neurotouch_hid.page.hub import Client
 
 PORT: Final = 7878
 STREAM: Final = "/stream"
@@ -184,7 +184,7 @@ class Host(Protocol):
     """Talks with the browsers that have shown the token."""
 
     @property
-    def n_clients(self) -> int:
+    def n_browsers(self) -> int:
         """The number of browsers."""
         ...
 
@@ -192,7 +192,7 @@ class Host(Protocol):
         """Works beside the talks, if there is something to do."""
         ...
 
-    async def serve(self, client: Client, hz: int) -> None:
+    async def serve(self, browser: Browser, hz: int) -> None:
         """Talks with a browser, until it disconnects."""
         ...
 
@@ -209,7 +209,7 @@ class Server:
         sockets: its listening sockets.
         host: talks with the browsers.
         pages: the page at each address, as a path in ``static``.
-        silence_s: interval of pings to a client; it must answer within the same time.
+        silence_s: interval of pings to a browser; it must answer within the same time.
     """
 
     def __init__(
@@ -310,12 +310,12 @@ class Server:
             if said is None or not self._guard.knows(said.get("token")):
                 await connection.close(1008, "the token is wrong")
                 return
-            if self._host.n_clients >= MOST_CLIENTS:
+            if self._host.n_browsers >= MOST_BROWSERS:
                 await connection.close(1013, "too many viewers (4)")
                 return
             self._waiting.remove(connection)
             hz = said.get("hz")
-            await self._host.serve(Client(connection), hz if isinstance(hz, int) else 30)
+            await self._host.serve(Browser(connection), hz if isinstance(hz, int) else 30)
         except TimeoutError:
             await connection.close(1008, "the token is missing")
         except ConnectionClosed:

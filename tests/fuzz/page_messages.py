@@ -15,8 +15,9 @@ from typing import Any, Final
 import pytest
 
 from neurotouch_hid.ipc import read_object
+from neurotouch_hid.page.browser import Browser
 from neurotouch_hid.page.guard import MOST_BYTES, Guard, make_token
-from neurotouch_hid.page.hub import Client, Hub
+from neurotouch_hid.page.hub import Hub
 from neurotouch_hid.page.messages import PageMessage
 from neurotouch_hid.printable import make_value_printable
 from neurotouch_hid.profile import check_profile
@@ -113,16 +114,16 @@ class _Page:
     def __init__(self) -> None:
         self._runner = asyncio.Runner()
         self._hub = self._runner.run(self._open())
-        self._client = Client(None)  # type: ignore[arg-type]  # its words are read here
+        self._browser = Browser(None)  # type: ignore[arg-type]  # its words are read here
 
     async def _open(self) -> Hub:
         count = iter(range(10**9))
         return Hub(edit=True, stamp=lambda: f"version-{next(count)}")
 
     def hear(self, message: bytes) -> list[str]:
-        self._client._words.clear()
-        self._runner.run(self._hub._hear(self._client, message))
-        return list(self._client._words)
+        self._browser._words.clear()
+        self._runner.run(self._hub._hear(self._browser, message))
+        return list(self._browser._words)
 
     def close(self) -> None:
         self._runner.run(self._hub.close())

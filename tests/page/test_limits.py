@@ -12,8 +12,8 @@ from websockets.exceptions import ConnectionClosed
 from neurotouch_hid.page import guard
 from neurotouch_hid.page.guard import (
     MESSAGES_PER_S,
+    MOST_BROWSERS,
     MOST_BYTES,
-    MOST_CLIENTS,
     MOST_WAITING,
     Guard,
     Rate,
@@ -55,7 +55,7 @@ def test_a_rate_recovers(monkeypatch):
 
 def test_four_pages_look_on_and_no_fifth(server):
     with ExitStack() as stack:
-        for _ in range(MOST_CLIENTS):
+        for _ in range(MOST_BROWSERS):
             show_token(stack.enter_context(enter(server)), server.token)
         fifth = stack.enter_context(enter(server))
         fifth.send(json.dumps({"token": server.token}))
