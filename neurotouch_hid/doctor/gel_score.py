@@ -1,7 +1,6 @@
 """Scores a gel that a person has made: what a camera sees of it, against its file."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
@@ -15,9 +14,10 @@ from neurotouch_hid.doctor.gel import (
     Seen,
     measure_contrast,
 )
+from neurotouch_hid.doctor.glare import find_glare, name_sides
 from neurotouch_hid.gel_making.plan import Plan
 from neurotouch_hid.gel_sentences import MOST_OFF, explain_gel, name_dots
-from neurotouch_hid.geometry import Gel, Rig, fit_rig
+from neurotouch_hid.geometry import Rig, fit_rig
 from neurotouch_hid.messages import (
     SENSOR_HEIGHT_PX,
     SENSOR_WIDTH_PX,
@@ -26,15 +26,13 @@ from neurotouch_hid.messages import (
     GelState,
 )
 from neurotouch_hid.tracker import BlobFinder
-from neurotouch_hid.tracker.diagnosis import find_glints, measure_gel
+from neurotouch_hid.tracker.diagnosis import measure_gel
 from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
 from neurotouch_hid.tracker.sharpness import is_blurred
 
 _TROUBLES: Final = (CheckStatus.FAILED, CheckStatus.WARNING)
 _LEAST_SHARE: Final = 0.9
 """Share of the dots that a good gel has; the recogniser plays with fewer."""
-_MOST_GLARE: Final = 0.3
-"""Share of the way from gel to dot that the gel's grey may have anywhere."""
 _MOST_OFF_SCALE: Final = 0.1
 """Share of the planned scale by which the scale may be off."""
 _LEAST_FILL, _MOST_FILL = 0.4, 1.0
@@ -44,18 +42,6 @@ _USUAL_ERROR_MM: Final = 0.2
 _LEAST_FPS: Final = 50.0
 _MOST_ERROR_MM: Final = 0.5
 _N_FRAMES: Final = 10
-_GREY_REACH: Final = (0.38, 0.5)
-"""Between these distances from a dot, in pitches, there is only gel."""
-_SIDES: Final = (
-    "on the right",
-    "at the bottom right",
-    "at the bottom",
-    "at the bottom left",
-    "on the left",
-    "at the top left",
-    "at the top",
-    "at the top right",
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,7 +159,7 @@ class _Picture:
             "missing": list(state.missing),
             "scatter_mm": None if lattice is None else round(self._to_mm(lattice.print_px), 2),
             "contrast": round(self._contrast),
-            "glare": [] if lattice is None else list(self._find_glare(lattice)),
+            "glare": [] if lattice is None else self._find_glare(lattice),
             "px_per_mm": None if self._px_per_mm is None else round(self._px_per_mm, 2),
             "fill": None if self._fill is None else round(self._fill, 3),
             "blur_px": state.blur_px,
@@ -339,21 +325,9 @@ class _Picture:
         return places
 
     def _find_glare(self, lattice: Lattice) -> list[str]:
-        """Returns where the gel is as bright as dots, or has spots that are brighter."""
-        pixels = self._seen.frames[-1].pixels
-        spots = find_glints(pixels, self._blobs, lattice.blob, self._gel)
-        places = self._blobs.centroid_px[spots]
-        if len(spots) <= 2:  # one or two may be dots that are a little better than others
-            places = places[:0]
-        bright = _find_bright_gel(self._gel.lighten(pixels), lattice, self._gel)
         rig = self._fit()
-        reach = self._plan.radius * rig.px_per_mm
-        names = [
-            name
-            for off in np.concatenate([places, bright]) - rig.centre_px
-            for name in [_name_side(off, reach)]
-        ]
-        return sorted(set(names), key=lambda name: (-names.count(name), name))
+        spots = find_glare(self._seen.frames[-1].pixels, self._blobs, lattice, self._gel)
+        return name_sides(spots - rig.centre_px, self._plan.radius * rig.px_per_mm)
 
 
 _HARMLESS: Final = (
@@ -364,41 +338,3 @@ _HARMLESS: Final = (
     GelProblem.FLICKER,
 )
 """With one of these, a single picture that shows the dots is enough."""
-
-
-def _find_bright_gel(pixels: NDArray[np.uint8], lattice: Lattice, gel: Gel) -> NDArray[np.float64]:
-    """Returns the places of markers, (n, 2) px, around which the gel itself is bright."""
-    pitch_px = gel.pitch_mm * fit_rig(lattice.position_px, gel).px_per_mm
-    places = lattice.position_px
-    grey = np.array(list(_measure_grey(pixels, places, pitch_px)))
-    peak = float(np.percentile(pixels, 99.5))
-    usual = float(np.nanmedian(grey))
-    # A gel that is bright everywhere is compared with the dark beyond it.
-    low = min(usual, float(np.percentile(pixels, 25.0)))
-    is_bright = grey - low > max(_MOST_GLARE * (peak - low), 8.0)
-    return places[is_bright]
-
-
-def _measure_grey(
-    pixels: NDArray[np.uint8], places: NDArray[np.float64], pitch_px: float
-) -> Iterator[float]:
-    """Yields the grey of the gel around each place; NaN outside of the picture."""
-    reach = math.ceil(_GREY_REACH[1] * pitch_px)
-    step = np.arange(-reach, reach + 1)
-    far = np.hypot(*np.meshgrid(step, step)) / pitch_px
-    ring = (far >= _GREY_REACH[0]) & (far <= _GREY_REACH[1])
-    for x, y in np.rint(places).astype(np.intp):
-        inside = reach <= x < SENSOR_WIDTH_PX - reach and reach <= y < SENSOR_HEIGHT_PX - reach
-        if not inside:
-            yield math.nan
-            continue
-        part = pixels[y - reach : y + reach + 1, x - reach : x + reach + 1]
-        yield float(np.median(part[ring]))
-
-
-def _name_side(off: NDArray[np.float64], reach: float) -> str:
-    """Returns where in the picture something is, seen from the middle of the gel."""
-    if np.hypot(*off) < 0.25 * reach:
-        return "in the middle"
-    sector = round(math.atan2(off[1], off[0]) / (math.pi / 4.0)) % 8
-    return _SIDES[sector]
