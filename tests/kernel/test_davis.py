@@ -4,7 +4,7 @@ import pytest
 
 from tests.kernel.guest.davis import FAULTS, N_PLUGS
 
-LOST_NOTHING = ("timeout+5", "unplug@stop+1")
+LOST_NOTHING = ("timeout+5x64", "unplug@stop+1")
 ONE_CONNECT = (*LOST_NOTHING, "stall+9", "babble+9")
 UNPLUGGED = [fault for fault in FAULTS if fault.startswith("unplug") and "stop" not in fault]
 

@@ -205,7 +205,8 @@ class LibusbTransport:
         try:
             self._handle_events(timeout_s)
         finally:  # data from before the failure is good
-            self._take_ended()
+            if not self._take_ended():
+                self._pass_over_lost()
 
     def _handle_events(self, timeout_s: float) -> None:
         self._wait.tv_usec = round(1e6 * timeout_s)
@@ -216,14 +217,21 @@ class LibusbTransport:
     def _take_ended(self) -> bool:
         """Takes the transfers that have ended; returns whether there are any."""
         in_flight, has_any = self._in_flight, False
-        while in_flight:
-            if in_flight[0].fields.status == _IN_FLIGHT:
-                if len(in_flight) == 1 or in_flight[1].fields.status == _IN_FLIGHT:
-                    break
-                in_flight.rotate(-1)  # Linux has lost it
+        while in_flight and in_flight[0].fields.status != _IN_FLIGHT:
             self._complete(in_flight.popleft())
             has_any = True
         return has_any
+
+    def _pass_over_lost(self) -> None:
+        """Takes transfers that have ended before older ones, and waits for the older ones last.
+
+        Linux ends the transfers of an endpoint in order, so it has lost the older ones.
+        """
+        in_flight = self._in_flight
+        ended = (k for k, each in enumerate(in_flight) if each.fields.status != _IN_FLIGHT)
+        if n_lost := next(ended, 0):
+            in_flight.rotate(-n_lost)
+            self._take_ended()
 
     def _complete(self, transfer: _Transfer) -> None:
         """Passes on the data of an ended transfer, and submits it again."""

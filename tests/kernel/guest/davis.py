@@ -34,7 +34,7 @@ CLAIM = 0x8004550F
 """``USBDEVFS_CLAIMINTERFACE`` of linux/usbdevice_fs.h."""
 FAULTS = [
     *("unplug@open+3", "unplug@configure+30", "unplug+9", "unplug@stop+1", "timeout@configure+9"),
-    *("stall+9", "babble+9", "timeout+5", "suspend+9"),
+    *("stall+9", "babble+9", "timeout+5x64", "suspend+9"),
 ]
 """Those at which the kernel has a part; the others need none (tests/source/davis)."""
 

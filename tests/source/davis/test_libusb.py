@@ -59,8 +59,25 @@ def test_transfers_whose_end_a_request_has_seen_are_taken_without_a_wait():
     assert transport.received == [b"0"]
 
 
-def test_a_lost_transfer_does_not_hold_up_the_others():
-    transport = Scripted([1, 2], [3, 1])
-    transport.pump(0.05, 0.0)
-    transport.pump(0.05, 0.0)
-    assert transport.received == [b"1", b"2", b"3", b"1"]
+@pytest.mark.parametrize(
+    ("ends", "received"),
+    [
+        ([[1, 2], [3, 1], [2]], "12312"),
+        ([[2], [3, 2], [3]], "2323"),
+        ([[3], [3], [3]], "333"),
+        ([[0, 3], [0], [3, 0]], "03030"),
+    ],
+)
+def test_lost_transfers_do_not_hold_up_the_others_and_stay_in_flight(ends, received):
+    transport = Scripted(*ends)
+    while transport.ends:
+        transport.pump(0.05, 0.0)
+    assert b"".join(transport.received).decode() == received
+    assert len(transport._in_flight) == 4
+
+
+def test_a_transfer_that_ends_late_is_used_again():
+    transport = Scripted([2], [3, 0, 1], [2, 3, 0, 1])
+    while transport.ends:
+        transport.pump(0.05, 0.0)
+    assert transport.received == [b"2", b"3", b"0", b"1", b"2", b"3", b"0", b"1"]
