@@ -137,7 +137,7 @@ class MarkerTracker:
         if self._anchored:
             self._follow_rig(measured, elapsed_us)
             off = measured - tracks.rest_px
-        if not self._anchored or correction.median_size(off) > _MAX_OWN_PX:
+        if not self._anchored or rigid.median_size(off) > _MAX_OWN_PX:
             tracks.rest_px[:], self._n_mean = measured, 1
             if not self._anchored:
                 t_us = float(rest.t_us if self._end_us is None else self._end_us)

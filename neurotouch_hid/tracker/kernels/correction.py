@@ -198,12 +198,6 @@ def compare(
 
 
 @kernel
-def median_size(v: NDArray[np.float64]) -> float:
-    """Returns the median length of vectors (n, 2) float64."""
-    return float(np.median(np.sqrt(v[:, 0] ** 2 + v[:, 1] ** 2)))
-
-
-@kernel
 def drift(
     off_px: NDArray[np.float64],
     share: float,
