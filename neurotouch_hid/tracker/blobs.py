@@ -59,6 +59,13 @@ class Blobs:
         return Blobs(self.centroid_px.copy(), self.begin.copy(), self.members.copy())
 
 
+def lighten(pixels: NDArray[np.uint8], gel: Gel) -> NDArray[np.uint8]:
+    """Returns a picture in which the markers are light, as an array that kernels take."""
+    light = gel.lighten(pixels)
+    is_ready = light.flags.c_contiguous and light.flags.writeable
+    return light if is_ready else np.array(light, np.uint8)
+
+
 class BlobFinder:
     """Finds the blobs of frames; the buffers are reused.
 
@@ -103,11 +110,7 @@ class BlobFinder:
         """Returns the blobs of a frame, (260, 346) uint8, which must not change any more."""
         if self._found is not None and self._found[0] is pixels:
             return self._found[1]
-        light = self._gel.lighten(pixels)
-        if not (light.flags.c_contiguous and light.flags.writeable):
-            light = np.array(light, np.uint8)
-        n = self._search(light, self.is_fine)
-        centroid_px, begin, members = self._buffers.centroid_px, self._buffers.begin, self._buffers.members
-        blobs = Blobs(centroid_px[:n], begin[: n + 1], members[: begin[n]])
+        n, b = self._search(lighten(pixels, self._gel), self.is_fine), self._buffers
+        blobs = Blobs(b.centroid_px[:n], b.begin[: n + 1], b.members[: b.begin[n]])
         self._found = pixels, blobs
         return blobs

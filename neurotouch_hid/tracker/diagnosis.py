@@ -16,8 +16,9 @@ from neurotouch_hid.messages import (
     GelState,
 )
 from neurotouch_hid.process.kernel_cache import load
-from neurotouch_hid.tracker.blobs import Blobs
+from neurotouch_hid.tracker.blobs import Blobs, lighten
 from neurotouch_hid.tracker.growth import find_net
+from neurotouch_hid.tracker.kernels import dots as kernels
 from neurotouch_hid.tracker.kernels import matching
 from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
 from neurotouch_hid.tracker.sharpness import is_blurred, measure_sharpness

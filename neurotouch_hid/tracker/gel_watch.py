@@ -166,12 +166,12 @@ class GelWatch:
 
     def _find_gone(self, frame: Frame, blobs: Blobs, n_found: int) -> GelState | None:
         """Returns what is seen instead of the gel; None if a hand may have moved its markers."""
-        apart_px = np.hypot(*(blobs.centroid_px - self._centre_px).T)
         share = _SEEN_SHARE * self._n_found
+        if n_found >= share:
+            return None
+        apart_px = np.hypot(*(blobs.centroid_px - self._centre_px).T)
         n_inside = int((apart_px < self._radius_px).sum())
         unseen = n_inside < share
-        if not unseen and n_found >= share:
-            return None
         if self._is_due(frame.t_us, GelProblem.NO_DOTS):
             self._seen = self._diagnosis.explain(
                 frame, blobs, None, GelProblem.NO_DOTS, moves=False
