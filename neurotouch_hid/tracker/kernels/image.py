@@ -173,23 +173,26 @@ def _mark(
 
 
 @kernel
-def _fill(x: int, y: int, start: int, bright: NDArray[np.uint8], members: NDArray[np.int32]) -> int:
-    """Appends the region around pixel (x, y) of ``bright`` to the members and clears it there.
+def _fill(start: int, stride: int, bright: NDArray[np.uint8], members: NDArray[np.int32]) -> int:
+    """Appends the region around the member ``start`` and clears it in ``bright``.
+
+    Args:
+        start: the first member; it is cleared already.
+        stride: pixels in a row of ``bright``.
+        bright: flat.
+        members: indices into ``bright``.
 
     Returns:
-        The new end of the members, which are indices into ``bright`` so far.
+        The new end of the members.
     """
     # Unsigned: an index that may be negative would cost a test for each use.
-    flat, stride, one = bright.ravel(), np.uint64(bright.shape[1]), np.uint64(1)
-    head, tail = np.uint64(start), np.uint64(start + 1)
-    members[start] = y * bright.shape[1] + x
-    bright[y, x] = 0
+    head, tail, one, row = np.uint64(start), np.uint64(start + 1), np.uint64(1), np.uint64(stride)
     while head < tail:
         at = np.uint64(members[head])
         head += one
-        for near in (at - stride, at - one, at + one, at + stride):
-            if flat[near]:
-                flat[near] = 0
+        for near in (at - row, at - one, at + one, at + row):
+            if bright[near]:
+                bright[near] = 0
                 members[tail] = near
                 tail += one
     return np.int64(tail)
@@ -200,14 +203,15 @@ def _measure_blobs(n: int, pixels: NDArray[np.uint8], buffers: Buffers) -> None:
     """Writes the centroids of the first ``n`` blobs, and makes their members indices of pixels."""
     background, begin, members = buffers.background, buffers.begin, buffers.members
     w, stride = np.uint32(pixels.shape[1]), np.uint32(buffers.bright.shape[1])
+    shift = np.uint32(SHIFT)
     for i in range(n):
         mass, mx, my = 0.0, 0.0, 0.0
         for k in range(begin[i], begin[i + 1]):
-            at = np.uint32(members[k])
-            row = np.uint32(at // stride)  # one row further down
-            x, y = np.int64(at - row * stride), np.int64(row) - 1
-            members[k] = y * w + x
-            weight = pixels[y, x] - background[y >> SHIFT, x >> SHIFT]
+            at = np.uint32(members[np.uint64(k)])
+            row = np.uint32(at // stride)  # unsigned integers divide faster
+            x, y = np.uint32(at - row * stride), np.uint32(row - np.uint32(1))
+            members[np.uint64(k)] = y * w + x
+            weight = pixels[y, x] - background[y >> shift, x >> shift]
             mass += weight
             mx += weight * x
             my += weight * y
@@ -229,25 +233,27 @@ def find_blobs(
     Returns:
         The number of blobs, at most m.
     """
-    bright, begin = buffers.bright, buffers.begin
-    words = bright.view(np.uint64)  # most are 0
-    _mark(pixels, buffers.threshold, bright)
+    begin, members, stride = buffers.begin, buffers.members, buffers.bright.shape[1]
+    bright, words = buffers.bright.ravel(), buffers.bright.view(np.uint64).ravel()
+    _mark(pixels, buffers.threshold, buffers.bright)
     n, used = 0, 0
     begin[0] = 0
-    for y in range(1, len(pixels) + 1):
-        row, row_words = bright[y], words[y]
-        for j in range(len(row_words)):
-            if not row_words[j]:
+    for j in range(len(words)):
+        if not words[j]:  # most are 0
+            continue
+        for at in range(8 * j, 8 * j + 8):
+            if not bright[at]:
                 continue
-            for x in range(8 * j, 8 * j + 8):
-                if row[x] and n < len(begin) - 1:
-                    end = _fill(x, y, used, bright, buffers.members)
-                    if min_area_px <= end - used <= max_area_px:
-                        used = end
-                        n += 1
-                        begin[n] = used
-    if n == len(begin) - 1:
-        bright[:] = 0
+            if n == len(begin) - 1:
+                bright[:] = 0
+                break
+            bright[at] = 0
+            members[used] = at
+            end = _fill(used, stride, bright, members)
+            if min_area_px <= end - used <= max_area_px:
+                used = end
+                n += 1
+                begin[n] = used
     _measure_blobs(n, pixels, buffers)
     return n
 
