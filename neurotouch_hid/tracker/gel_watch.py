@@ -208,18 +208,19 @@ class GelWatch:
 
     def _find_flaw(self, t_us: int) -> GelProblem:
         """Returns what is wrong with a gel that is found."""
-        was_moved = self._moved_us is not None and t_us - self._moved_us < _MOVED_US
-        was_fast = self.haste_us is not None and t_us - self.haste_us < _HASTE_US
-        flaws = (
-            (self.is_drawn, GelProblem.EVENTS_ONLY),
-            # Frames that are not sharp do not show whether something rests on the gel.
-            (bool(self._sharpness), self._sharpness),
-            (self._rests, GelProblem.RESTS),
-            (self.flicker_hz is not None, GelProblem.FLICKER),
-            (was_fast, GelProblem.TOO_FAST),
-            (was_moved, GelProblem.MOVED),
-        )
-        return next((problem for is_so, problem in flaws if is_so), GelProblem.NONE)
+        if self.is_drawn:
+            return GelProblem.EVENTS_ONLY
+        if self._sharpness:  # such frames do not show whether something rests on the gel
+            return self._sharpness
+        if self._rests:
+            return GelProblem.RESTS
+        if self.flicker_hz is not None:
+            return GelProblem.FLICKER
+        if self.haste_us is not None and t_us - self.haste_us < _HASTE_US:
+            return GelProblem.TOO_FAST
+        if self._moved_us is not None and t_us - self._moved_us < _MOVED_US:
+            return GelProblem.MOVED
+        return GelProblem.NONE
 
     def _is_due(self, t_us: int, problem: GelProblem) -> bool:
         """Returns whether it is time for another look at the whole frame."""

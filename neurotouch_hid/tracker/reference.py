@@ -114,8 +114,10 @@ class Reference:
             self.position_px = self.position_px + off_px / self._n_frames
             return False
         share = max(1.0 / self._n_moved, -math.expm1(-elapsed_us / _FOLLOW_US))
-        self.position_px = rigid.creep(self.position_px, blobs.centroid_px, match, share)
-        if np.abs(self.position_px - self._drawn_px).max() < _REDRAW_PX:
+        self.position_px, far_px = rigid.creep(
+            self.position_px, blobs.centroid_px, match, share, self._drawn_px
+        )
+        if far_px < _REDRAW_PX:
             return False
         self._draw(blobs)
         return True

@@ -143,7 +143,8 @@ def creep(
     now_px: NDArray[np.float64],
     match: NDArray[np.int32],
     share: float,
-) -> NDArray[np.float64]:
+    drawn_px: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], float]:
     """Returns places, (n, 2) float64 px, that follow a share of the way that the rig has moved.
 
     Args:
@@ -151,13 +152,19 @@ def creep(
         now_px: where the markers are now.
         match: which of these belongs to each marker.
         share: of the way.
+        drawn_px: (n, 2) float64 px, earlier places.
+
+    Returns:
+        The places; how far the farthest is from its earlier one, along x or y, px.
     """
     out_px = np.empty_like(before_px)
     move_with_rig(before_px, now_px, match, out_px)
+    far_px = 0.0
     for i in range(len(out_px)):
         for axis in range(2):
             out_px[i, axis] = before_px[i, axis] + share * (out_px[i, axis] - before_px[i, axis])
-    return out_px
+            far_px = max(far_px, abs(out_px[i, axis] - drawn_px[i, axis]))
+    return out_px, far_px
 
 
 @kernel
