@@ -1,6 +1,5 @@
 """Finds out why a frame shows no gel, from the frame itself."""
 
-import math
 from dataclasses import replace
 from typing import Final
 
@@ -268,5 +267,6 @@ def find_glints(
     peak = kernels.find_peaks(lighten(pixels, gel), dots_px)
     usual = kernels.find_usual_peaks(peak, blob, gel.neighbours, _USUAL)
     marker = kernels.find_markers(dots_px, blob)
-    on_gel: NDArray[np.intp] = np.flatnonzero(marker >= 0)
-    return on_gel[peak[on_gel] > _GLINT * usual[marker[on_gel]]]
+    on_gel = np.flatnonzero(marker >= 0)
+    glints: NDArray[np.intp] = on_gel[peak[on_gel] > _GLINT * usual[marker[on_gel]]]
+    return glints

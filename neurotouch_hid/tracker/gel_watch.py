@@ -210,10 +210,9 @@ class GelWatch:
         """Returns what is wrong with a gel that is found."""
         if self.is_drawn:
             return GelProblem.EVENTS_ONLY
-        if self._sharpness:  # such frames do not show whether something rests on the gel
-            return self._sharpness
-        if self._rests:
-            return GelProblem.RESTS
+        if self._sharpness or self._rests:
+            # Frames that are not sharp do not show whether something rests on the gel.
+            return self._sharpness or GelProblem.RESTS
         if self.flicker_hz is not None:
             return GelProblem.FLICKER
         if self.haste_us is not None and t_us - self.haste_us < _HASTE_US:

@@ -31,7 +31,7 @@ def test_shared_motion_is_that_of_its_definition(seed, n, m):
     rng = np.random.default_rng(seed)
     before, now = rng.uniform(0, 30, (n, 2)), rng.uniform(0, 30, (m, 2))
     match = np.empty(n, np.int32)
-    n_pairs, all_px, bent_px = kernels.measure_shared(before, now, 4.0, 9.0, match)
+    n_pairs, all_px, bent_px = kernels.measure_shared(before, now, 4.0, 9.0, 0.0, np.inf, match)
     expected = reference.match_points(before.tolist(), now.tolist(), 4.0)
     assert match.tolist() == expected
     pairs = [(i, j) for i, j in enumerate(expected) if j >= 0]
@@ -47,6 +47,16 @@ def test_shared_motion_is_that_of_its_definition(seed, n, m):
     ]  # fmt: skip
     assert all_px == pytest.approx(np.hypot(*moved.mean(axis=0)), rel=1e-9)
     assert bent_px**2 == pytest.approx(max(np.mean(products or [0.0]), 0.0), abs=1e-9)
+
+
+def test_what_neighbours_share_is_not_measured_where_all_move_far_or_few_are_seen():
+    before = np.random.default_rng(3).uniform(0, 300, (50, 2))
+    match = np.empty(50, np.int32)
+    far = kernels.measure_shared(before, before + 0.5, 4.0, 9.0, 40.0, 0.3, match)
+    few = kernels.measure_shared(before, before[:30], 4.0, 9.0, 40.0, 0.3, match)
+    assert far[1] == pytest.approx(np.hypot(0.5, 0.5))
+    assert few[0] <= 30
+    assert far[2] == few[2] == np.inf
 
 
 @given(st.lists(st.floats(0.0, 1e9), min_size=1, max_size=40))

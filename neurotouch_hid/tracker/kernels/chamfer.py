@@ -37,7 +37,9 @@ def ring_distance(index: int, mask: NDArray[np.uint8], bit: int, most_px2: int) 
                 )
                 if beside or (
                     0 <= u < w
-                    and ((top >= 0 and mask[top, u] & bit) or (bottom < h and mask[bottom, u] & bit))
+                    and (
+                        (top >= 0 and mask[top, u] & bit) or (bottom < h and mask[bottom, u] & bit)
+                    )
                 ):
                     best = d
         k += 1

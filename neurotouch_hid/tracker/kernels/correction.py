@@ -195,33 +195,3 @@ def compare(
             tracks.lost[i] = False
         by_px[i, 0], by_px[i, 1] = (0.0, 0.0) if astray[i] else (dx, dy)
     return n_astray
-
-
-@kernel
-def drift(
-    off_px: NDArray[np.float64],
-    share: float,
-    touched_share: float,
-    touch_px: float,
-    most_px: float,
-    rest_px: NDArray[np.float64],
-) -> None:
-    """Moves rest positions by a share of their errors.
-
-    The median error is common to the whole gel; the rest is each marker's own error.
-
-    Args:
-        off_px: (n, 2) float64 px, the errors.
-        share: of the common error, and of an own error up to ``touch_px``.
-        touched_share: the smaller share of an own error above ``touch_px``.
-        touch_px: own errors above this are probably a soft touch.
-        most_px: own errors above this are not corrected.
-        rest_px: (n, 2) float64 px, updated.
-    """
-    x, y = float(np.median(off_px[:, 0])), float(np.median(off_px[:, 1]))
-    for i in range(len(off_px)):
-        dx, dy = off_px[i, 0] - x, off_px[i, 1] - y
-        size_px = math.sqrt(dx * dx + dy * dy)
-        part = 0.0 if size_px > most_px else share if size_px <= touch_px else touched_share
-        rest_px[i, 0] += share * x + part * dx
-        rest_px[i, 1] += share * y + part * dy

@@ -173,7 +173,9 @@ def _mark(
 
 
 @kernel
-def _fill(start: int, stride: int, bright: NDArray[np.uint8], members: NDArray[np.int32]) -> int:
+def _fill(
+    start: int, stride: int, bright: NDArray[np.uint8], members: NDArray[np.int32]
+) -> np.int64:
     """Appends the region around the member ``start`` and clears it in ``bright``.
 
     Args:
@@ -236,7 +238,7 @@ def find_blobs(
     begin, members, stride = buffers.begin, buffers.members, buffers.bright.shape[1]
     bright, words = buffers.bright.ravel(), buffers.bright.view(np.uint64).ravel()
     _mark(pixels, buffers.threshold, buffers.bright)
-    n, used = 0, 0
+    n, used = 0, np.int64(0)
     begin[0] = 0
     for j in range(len(words)):
         if not words[j]:  # most are 0
@@ -328,13 +330,13 @@ def search(buffers: Buffers, limits: Limits, pixels: NDArray[np.uint8], is_fine:
         smooth(pixels, GAIN, float(np.median(b.background)), b.smooth)
         least *= GAIN * NOISE_LEFT
         threshold_blocks(b.smooth, c.n_sigma, least, b.threshold, b.background)
-        return find_blobs(b.smooth, c.min_area_px, c.max_area_px, b)
-    n = find_blobs(pixels, c.min_area_px, c.max_area_px, b)
+        return int(find_blobs(b.smooth, c.min_area_px, c.max_area_px, b))
+    n = int(find_blobs(pixels, c.min_area_px, c.max_area_px, b))
     is_noisy = n > c.most_blobs
     if is_noisy:
         smooth(pixels, 1, MIDDLE_DN, b.smooth)
         threshold_blocks(b.smooth, c.n_sigma, least, b.threshold, b.background)
-        n = find_blobs(b.smooth, c.min_area_px, c.max_area_px, b)
+        n = int(find_blobs(b.smooth, c.min_area_px, c.max_area_px, b))
     if is_noisy or is_fine:
         centre_blobs(pixels, c.window_px, b.background, b.centroid_px[:n])
     return n
