@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.filter import STILL_US
-from neurotouch_hid.tracker.kernels.matching import match_points
+from neurotouch_hid.tracker.kernels.matching import match_points, median
 from neurotouch_hid.tracker.kernels.neighbours import expect, find_strays
 from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning, note_frame
 
@@ -70,7 +70,7 @@ def assign_blobs(
     area = np.empty(m, np.float64)
     for j in range(m):
         area[j] = begin[j + 1] - begin[j]
-    merged = area > MAX_AREA_RATIO * np.median(area)
+    merged = area > MAX_AREA_RATIO * median(area)
     match_points(then_px, points_px, GATE_PX, blob)
     lost = np.empty(n, np.bool_)
     for i in range(n):

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
+from neurotouch_hid.tracker.kernels.matching import median
 
 BLOCK_PX = 8  # brightness is measured in windows of 3 x 3 blocks, two to three markers wide
 SHIFT = 3  # log2(BLOCK_PX)
@@ -327,7 +328,7 @@ def search(buffers: Buffers, limits: Limits, pixels: NDArray[np.uint8], is_fine:
     b, c, least = buffers, limits, limits.min_contrast
     n_clear = threshold_blocks(pixels, c.n_sigma, least, b.threshold, b.background)
     if n_clear < c.min_clear:
-        smooth(pixels, GAIN, float(np.median(b.background)), b.smooth)
+        smooth(pixels, GAIN, median(b.background.ravel()), b.smooth)
         least *= GAIN * NOISE_LEFT
         threshold_blocks(b.smooth, c.n_sigma, least, b.threshold, b.background)
         return int(find_blobs(b.smooth, c.min_area_px, c.max_area_px, b))

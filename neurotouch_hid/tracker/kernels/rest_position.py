@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
+from neurotouch_hid.tracker.kernels.matching import median
 from neurotouch_hid.tracker.kernels.rigid import follow_rig, median_size
 
 MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed, or the rig was bumped
@@ -72,11 +73,11 @@ def _average(off_px: NDArray[np.float64], n_mean: int, rest_px: NDArray[np.float
     A picture that is noisy or out of focus moves all markers, a soft touch only some.
     """
     n = len(off_px)
-    x, y = float(np.median(off_px[:, 0])), float(np.median(off_px[:, 1]))
+    x, y = median(off_px[:, 0].copy()), median(off_px[:, 1].copy())
     size_px = np.empty(n)
     for i in range(n):
         size_px[i] = math.hypot(off_px[i, 0] - x, off_px[i, 1] - y)
-    most_px = max(TOUCH_PX, NOISE_SIZES * float(np.median(size_px)))
+    most_px = max(TOUCH_PX, NOISE_SIZES * median(size_px))
     for i in range(n):
         if size_px[i] <= most_px:
             rest_px[i, 0] += (off_px[i, 0] - x) / n_mean
@@ -104,7 +105,7 @@ def drift(
         most_px: own errors above this are not corrected.
         rest_px: (n, 2) float64 px, updated.
     """
-    x, y = float(np.median(off_px[:, 0])), float(np.median(off_px[:, 1]))
+    x, y = median(off_px[:, 0].copy()), median(off_px[:, 1].copy())
     for i in range(len(off_px)):
         dx, dy = off_px[i, 0] - x, off_px[i, 1] - y
         size_px = math.sqrt(dx * dx + dy * dy)

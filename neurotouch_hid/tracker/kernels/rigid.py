@@ -10,6 +10,7 @@ from neurotouch_hid.tracker.kernels.matching import (
     match_points,
     measure_largest,
     measure_sizes,
+    median,
     select,
 )
 
@@ -66,7 +67,7 @@ def _fit_motion(
         i = seen[k]
         ax[k], ay[k] = before_px[i, 0], before_px[i, 1]
         bx[k], by[k] = now_px[match[i], 0], now_px[match[i], 1]
-    x, y = float(np.median(bx - ax)), float(np.median(by - ay))
+    x, y = median(bx - ax), median(by - ay)
     off2, weight = np.empty(m), np.empty(m)
     for _ in range(N_ROUNDS):
         for k in range(m):
@@ -223,4 +224,4 @@ def find_moved(
 @kernel
 def median_size(v: NDArray[np.float64]) -> float:
     """Returns the median length of vectors (n, 2) float64."""
-    return float(np.median(np.sqrt(v[:, 0] ** 2 + v[:, 1] ** 2)))
+    return float(median(np.sqrt(v[:, 0] ** 2 + v[:, 1] ** 2)))
