@@ -5,7 +5,8 @@ from neurotouch_hid.tracker.config import TrackerConfig
 from neurotouch_hid.tracker.flicker import Flicker
 from neurotouch_hid.tracker.gel_finder import GelFinder
 from neurotouch_hid.tracker.markers import MarkerTracker, TrackerStats
-from neurotouch_hid.tracker.rest import RestConfig, RestDetector, RestStats
+from neurotouch_hid.tracker.rest import RestDetector, RestStats
+from neurotouch_hid.tracker.rest_config import RestConfig
 
 __all__ = [
     "BlobFinder",

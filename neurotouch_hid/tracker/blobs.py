@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import NOMINAL_PITCH_PX, PAPER_GEL, Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
-from neurotouch_hid.process.kernel_cache import load
+from neurotouch_hid.process.kernel_cache import bind
 from neurotouch_hid.tracker.kernels import image as kernels
 
 MAX_BLOBS = 1024  # a picture of a gel has fewer
@@ -59,6 +59,13 @@ class Blobs:
         return Blobs(self.centroid_px.copy(), self.begin.copy(), self.members.copy())
 
 
+def lighten(pixels: NDArray[np.uint8], gel: Gel) -> NDArray[np.uint8]:
+    """Returns a picture in which the markers are light, as an array that kernels take."""
+    light = gel.lighten(pixels)
+    is_ready = light.flags.c_contiguous and light.flags.writeable
+    return light if is_ready else np.array(light, np.uint8)
+
+
 class BlobFinder:
     """Finds the blobs of frames; the buffers are reused.
 
@@ -74,8 +81,7 @@ class BlobFinder:
     """
 
     def __init__(self, config: BlobConfig | None = None, gel: Gel = PAPER_GEL) -> None:
-        self._config, self._gel = config or BlobConfig(), gel
-        self.is_fine = False
+        self._gel, self.is_fine = gel, False
         h, w, block = SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, kernels.BLOCK_PX
         blocks = -(-h // block), -(-w // block)
         self._buffers = kernels.Buffers(
@@ -85,41 +91,26 @@ class BlobFinder:
             centroid_px=np.empty((MAX_BLOBS, 2)),
             begin=np.empty(MAX_BLOBS + 1, np.int32),
             members=np.empty(h * w, np.int32),
+            smooth=np.empty((h, w), np.uint8),
         )
-        self._smooth = np.empty((h, w), np.uint8)
-        self._window_px = 0.5 * gel.dot_mm * NOMINAL_PITCH_PX / gel.pitch_mm
+        config = config or BlobConfig()
+        limits = kernels.Limits(
+            n_sigma=config.n_sigma,
+            min_contrast=config.min_contrast,
+            min_clear=config.min_clear,
+            min_area_px=config.min_area_px,
+            max_area_px=config.max_area_px,
+            most_blobs=_MOST_BLOBS * gel.n_markers,
+            window_px=0.5 * gel.dot_mm * NOMINAL_PITCH_PX / gel.pitch_mm,
+        )
+        self._search = bind(kernels.search, self._buffers, limits)
         self._found: tuple[NDArray[np.uint8], Blobs] | None = None
-        b = self._buffers
-        load(kernels.centre_blobs, self._smooth, self._window_px, b.background, b.centroid_px)
 
     def find(self, pixels: NDArray[np.uint8]) -> Blobs:
         """Returns the blobs of a frame, (260, 346) uint8, which must not change any more."""
-        if self._found is None or self._found[0] is not pixels:
-            self._found = (pixels, self._search(pixels))
-        return self._found[1]
-
-    def _search(self, pixels: NDArray[np.uint8]) -> Blobs:
-        c = self._config
-        pixels = np.require(self._gel.lighten(pixels), np.uint8, ["C", "W"])
-        b = self._buffers
-        n_clear = kernels.threshold_blocks(
-            pixels, c.n_sigma, c.min_contrast, b.threshold, b.background
-        )
-        is_weak = n_clear < c.min_clear
-        if is_weak:
-            middle_dn = float(np.median(b.background))
-            kernels.smooth(pixels, kernels.GAIN, middle_dn, self._smooth)
-            pixels, least = self._smooth, kernels.GAIN * kernels.NOISE_LEFT * c.min_contrast
-            kernels.threshold_blocks(pixels, c.n_sigma, least, b.threshold, b.background)
-        n = kernels.find_blobs(pixels, c.min_area_px, c.max_area_px, b)
-        is_noisy = n > _MOST_BLOBS * self._gel.n_markers
-        if is_noisy and not is_weak:
-            kernels.smooth(pixels, 1, kernels.MIDDLE_DN, self._smooth)
-            kernels.threshold_blocks(
-                self._smooth, c.n_sigma, c.min_contrast, b.threshold, b.background
-            )
-            n = kernels.find_blobs(self._smooth, c.min_area_px, c.max_area_px, b)
-        if (is_noisy or self.is_fine) and not is_weak:
-            kernels.centre_blobs(pixels, self._window_px, b.background, b.centroid_px[:n])
-        begin = b.begin[: n + 1]
-        return Blobs(b.centroid_px[:n], begin, b.members[: begin[n]])
+        if self._found is not None and self._found[0] is pixels:
+            return self._found[1]
+        n, b = self._search(lighten(pixels, self._gel), self.is_fine), self._buffers
+        blobs = Blobs(b.centroid_px[:n], b.begin[: n + 1], b.members[: b.begin[n]])
+        self._found = pixels, blobs
+        return blobs

@@ -1,6 +1,5 @@
 """Finds out why a frame shows no gel, from the frame itself."""
 
-import math
 from dataclasses import replace
 from typing import Final
 
@@ -16,8 +15,9 @@ from neurotouch_hid.messages import (
     GelState,
 )
 from neurotouch_hid.process.kernel_cache import load
-from neurotouch_hid.tracker.blobs import Blobs
+from neurotouch_hid.tracker.blobs import Blobs, lighten
 from neurotouch_hid.tracker.growth import find_net
+from neurotouch_hid.tracker.kernels import dots as kernels
 from neurotouch_hid.tracker.kernels import matching
 from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
 from neurotouch_hid.tracker.sharpness import is_blurred, measure_sharpness
@@ -263,39 +263,10 @@ def find_glints(
         blob: (n,), the one of each marker; negative without one.
         gel: the gel.
     """
-    seen = np.flatnonzero(blob >= 0)
-    if not len(seen):
-        return np.empty(0, np.intp)
-    dots_px = blobs.centroid_px
-    peak = _find_peaks(gel.lighten(pixels), dots_px)
-    marker = np.full(gel.n_markers + 1, np.nan)  # the last one for neighbours that there are none
-    marker[seen] = peak[blob[seen]]
-    around = np.sort(marker[gel.neighbours], axis=1)  # NaN last
-    n_around = np.isfinite(around).sum(axis=1)
-    usual = around[np.arange(gel.n_markers), (_USUAL * np.maximum(n_around - 1, 0)).astype(np.intp)]
-    nearest = np.full(len(dots_px), -1)
-    nearest[blob[seen]] = seen
-    free = np.flatnonzero(nearest < 0)
-    apart = np.hypot(*(dots_px[free, None] - dots_px[blob[seen]]).transpose(2, 0, 1))
-    pitch_px = math.sqrt(_measure_area(dots_px[blob[seen]]) / gel.n_markers)
-    beside = apart.min(axis=1) < pitch_px
-    nearest[free[beside]] = seen[apart[beside].argmin(axis=1)]
-    on_gel = nearest >= 0
-    is_glint = peak[on_gel] > _GLINT * usual[nearest[on_gel]]
-    glints: NDArray[np.intp] = np.flatnonzero(on_gel)[is_glint]
+    dots_px, blob = blobs.centroid_px, blob.astype(np.int32)  # kernels are for one type only
+    peak = kernels.find_peaks(lighten(pixels, gel), dots_px)
+    usual = kernels.find_usual_peaks(peak, blob, gel.neighbours, _USUAL)
+    marker = kernels.find_markers(dots_px, blob)
+    on_gel = np.flatnonzero(marker >= 0)
+    glints: NDArray[np.intp] = on_gel[peak[on_gel] > _GLINT * usual[marker[on_gel]]]
     return glints
-
-
-def _measure_area(dots_px: NDArray[np.float64]) -> float:
-    """Returns the area of the disc around dots, px²."""
-    return math.pi * float(((dots_px - dots_px.mean(axis=0)) ** 2).sum(axis=1).max())
-
-
-def _find_peaks(pixels: NDArray[np.uint8], dots_px: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns the brightest of 3 x 3 pixels around each dot."""
-    x, y = np.rint(dots_px).astype(np.intp).T
-    x, y = np.clip(x, 1, SENSOR_WIDTH_PX - 2), np.clip(y, 1, SENSOR_HEIGHT_PX - 2)
-    step = np.arange(-1, 2)
-    around = pixels[y[:, None, None] + step[:, None], x[:, None, None] + step]
-    peaks: NDArray[np.float64] = around.max(axis=(1, 2)).astype(np.float64)
-    return peaks

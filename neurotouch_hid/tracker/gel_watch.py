@@ -166,12 +166,12 @@ class GelWatch:
 
     def _find_gone(self, frame: Frame, blobs: Blobs, n_found: int) -> GelState | None:
         """Returns what is seen instead of the gel; None if a hand may have moved its markers."""
-        apart_px = np.hypot(*(blobs.centroid_px - self._centre_px).T)
         share = _SEEN_SHARE * self._n_found
+        if n_found >= share:
+            return None
+        apart_px = np.hypot(*(blobs.centroid_px - self._centre_px).T)
         n_inside = int((apart_px < self._radius_px).sum())
         unseen = n_inside < share
-        if not unseen and n_found >= share:
-            return None
         if self._is_due(frame.t_us, GelProblem.NO_DOTS):
             self._seen = self._diagnosis.explain(
                 frame, blobs, None, GelProblem.NO_DOTS, moves=False
@@ -208,18 +208,18 @@ class GelWatch:
 
     def _find_flaw(self, t_us: int) -> GelProblem:
         """Returns what is wrong with a gel that is found."""
-        was_moved = self._moved_us is not None and t_us - self._moved_us < _MOVED_US
-        was_fast = self.haste_us is not None and t_us - self.haste_us < _HASTE_US
-        flaws = (
-            (self.is_drawn, GelProblem.EVENTS_ONLY),
+        if self.is_drawn:
+            return GelProblem.EVENTS_ONLY
+        if self._sharpness or self._rests:
             # Frames that are not sharp do not show whether something rests on the gel.
-            (bool(self._sharpness), self._sharpness),
-            (self._rests, GelProblem.RESTS),
-            (self.flicker_hz is not None, GelProblem.FLICKER),
-            (was_fast, GelProblem.TOO_FAST),
-            (was_moved, GelProblem.MOVED),
-        )
-        return next((problem for is_so, problem in flaws if is_so), GelProblem.NONE)
+            return self._sharpness or GelProblem.RESTS
+        if self.flicker_hz is not None:
+            return GelProblem.FLICKER
+        if self.haste_us is not None and t_us - self.haste_us < _HASTE_US:
+            return GelProblem.TOO_FAST
+        if self._moved_us is not None and t_us - self._moved_us < _MOVED_US:
+            return GelProblem.MOVED
+        return GelProblem.NONE
 
     def _is_due(self, t_us: int, problem: GelProblem) -> bool:
         """Returns whether it is time for another look at the whole frame."""

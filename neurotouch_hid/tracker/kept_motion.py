@@ -46,8 +46,11 @@ class KeptMotion:
             return False
         if not self._was_large:
             return False
+        if most_mm > MOST_KEPT_MM:
+            self._n_frozen = 0
+            return False
         same = np.empty(len(before_px), np.int32)
         n, moved_px = matching.measure_largest(before_px, now_px, GATE_PX, FEW, same)
         is_frozen = n >= FAR_SHARE * len(now_px) and moved_px <= FROZEN_PX
-        self._n_frozen = self._n_frozen + is_next if is_frozen and most_mm <= MOST_KEPT_MM else 0
+        self._n_frozen = self._n_frozen + is_next if is_frozen else 0
         return self._n_frozen >= FROZEN_FRAMES

@@ -15,24 +15,18 @@ from neurotouch_hid.tracker.correction import FrameCorrection
 from neurotouch_hid.tracker.flicker import Flicker, FlickerFilter
 from neurotouch_hid.tracker.frame_identity import FrameIdentity
 from neurotouch_hid.tracker.hot_pixels import HotPixelFilter
-from neurotouch_hid.tracker.kernels import correction, rigid
 from neurotouch_hid.tracker.kernels import filter as kernels
 from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.kernels.lost_markers import FRAMELESS_US
+from neurotouch_hid.tracker.kernels.rest_position import follow_rest
 from neurotouch_hid.tracker.kernels.slow_motion import forget_steps
 from neurotouch_hid.tracker.quiet_return import QuietReturn
 
-_MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed, or the rig was bumped
-_MAX_OWN_PX = 1.0  # markers whose own errors are larger are others than those before
-_RIG_PX = 0.35  # the rest position follows a rig that has moved farther with a time constant ...
-_RIG_US = 300e3  # ... of this, because it may swing ...
-_CREEP_US = 1e6  # ... and one that creeps or turns with this one, because the gel creeps back too
-_TOUCH_PX = 0.2  # a marker farther off than the rest of the gel is touched softly
+_RIG_US = 300e3  # time constant with which the rest position follows a rig that may swing ...
+_CREEP_US = 1e6  # ... and of one that creeps or turns, because the gel creeps back too
 _DRIFT_US = 20e6  # time constant of the rest position: a rig drifts over minutes ...
 _TOUCH_US = 300e6  # ... but a soft touch may last long
 _EDGE = 3.0  # standard deviations from its centre to the edge of a blurred dot
-_MEAN_ANCHORS = 16  # the rest position begins as the mean of so many frames
-_NOISE_SIZES = 2.5  # medians of its size; random errors in a plane exceed it one time in 75
 _LONGEST_US = 200_000  # longest time that one rest position counts for
 _EVENTLESS_US = 1_000_000  # after this time without an event, frames alone show where markers go
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
@@ -134,20 +128,16 @@ class MarkerTracker:
         tracks.common["rest_noise_hz"] = tracks.common["noise_hz"]
         if rest.blur_px != self._blur_px:
             self._widen(rest.blur_px)
-        if self._anchored:
-            self._follow_rig(measured, elapsed_us)
-            off = measured - tracks.rest_px
-        if not self._anchored or correction.median_size(off) > _MAX_OWN_PX:
+        self._n_mean = self._follow_rest(measured, elapsed_us) if self._anchored else 0
+        if not self._n_mean:
             tracks.rest_px[:], self._n_mean = measured, 1
-            if not self._anchored:
-                t_us = float(rest.t_us if self._end_us is None else self._end_us)
-                everyone = np.arange(self._gel.n_markers)
-                track_kernels.place(everyone, measured, 1.0, t_us, tracks, self._tuning)
-                self._restart(int(t_us))
-                tracks.common["placed_us"] = int(t_us)
-                self._anchored = True
-        else:
-            self._drift(off, elapsed_us)
+        if not self._anchored:
+            t_us = float(rest.t_us if self._end_us is None else self._end_us)
+            everyone = np.arange(self._gel.n_markers)
+            track_kernels.place(everyone, measured, 1.0, t_us, tracks, self._tuning)
+            self._restart(int(t_us))
+            tracks.common["placed_us"] = int(t_us)
+            self._anchored = True
         self._anchor_us = rest.t_us
         self._identity.anchor()
         self._correction.anchor(rest, is_followed=self.follows_frames)
@@ -231,40 +221,24 @@ class MarkerTracker:
             self._identity.judge(frame.t_us, blobs)
         self._last_pixels = frame.pixels
 
-    def _follow_rig(self, measured_px: NDArray[np.float64], elapsed_us: int) -> None:
-        """Moves the rest position with the rig: at once if it has moved far, else with time.
+    def _follow_rest(self, measured_px: NDArray[np.float64], elapsed_us: int) -> int:
+        """Moves the rest position towards a measured one, see ``follow_rest``.
 
-        A rig that has just moved far still swings, so its place is then the mean of some frames.
-        They also show each dot through other pixels, so its own place is learnt again.
+        It hardly follows where a soft touch looked like rest. The whole gel drifts together. Errors
+        of single markers beyond that come from a touch, or from the gel that creeps back after one.
         """
-        rest_px = self._tracks.rest_px
-        moved_px = np.empty_like(rest_px)
-        far_px = rigid.follow_rig(rest_px, measured_px, self._all, moved_px)
-        if far_px > _MAX_DRIFT_PX:
-            rest_px[:], self._n_mean = moved_px, 1
-            return
         elapsed = min(max(elapsed_us, 0), _LONGEST_US)
-        share = -math.expm1(-elapsed / (_RIG_US if far_px > _RIG_PX else _CREEP_US))
-        if self._n_mean < _MEAN_ANCHORS:
-            share = max(share, 1.0 / (self._n_mean + 1))
-        rest_px += share * (moved_px - rest_px)
-
-    def _drift(self, off_px: NDArray[np.float64], elapsed_us: int) -> None:
-        """Lets the rest position follow, but hardly where a soft touch looked like rest.
-
-        The whole gel drifts together. Errors of single markers beyond that come from a touch, or
-        from the gel that creeps back after one.
-        """
-        if self._n_mean < _MEAN_ANCHORS:
-            self._average(off_px)
-        elapsed = min(max(elapsed_us, 0), _LONGEST_US)
-        correction.drift(
-            off_px,
-            elapsed / _DRIFT_US,
-            elapsed / _TOUCH_US,
-            _TOUCH_PX,
-            _MAX_DRIFT_PX,
-            self._tracks.rest_px,
+        return int(
+            follow_rest(
+                measured_px,
+                self._n_mean,
+                -math.expm1(-elapsed / _RIG_US),
+                -math.expm1(-elapsed / _CREEP_US),
+                elapsed / _DRIFT_US,
+                elapsed / _TOUCH_US,
+                self._all,
+                self._tracks.rest_px,
+            )
         )
 
     def _widen(self, blur_px: float) -> None:
@@ -280,19 +254,6 @@ class MarkerTracker:
             tuning = tuning._replace(gate_px=gate_px, spread_px=spread_px, search_all=True)
         self._tuning = tuning
         self._filter = bind(kernels.filter_slice, self._tracks, tuning)
-
-    def _average(self, off_px: NDArray[np.float64]) -> None:
-        """Takes each marker's own error into the mean that its place at rest is at first.
-
-        A picture that is noisy or out of focus moves all markers, a soft touch only some.
-        """
-        self._n_mean += 1
-        own_px = off_px - np.median(off_px, axis=0)
-        size_px = np.hypot(own_px[:, 0], own_px[:, 1])
-        is_noise = size_px <= max(_TOUCH_PX, _NOISE_SIZES * float(np.median(size_px)))
-        off_px = np.where(is_noise[:, None], own_px, 0.0) / self._n_mean
-        rest_px = self._tracks.rest_px
-        rest_px += off_px
 
     def _unknown(self, t_us: int) -> MarkerField:
         self._end_us = t_us

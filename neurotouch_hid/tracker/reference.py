@@ -1,6 +1,7 @@
 """The gel at rest, with which frames are compared."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,16 +9,30 @@ from numpy.typing import NDArray
 from neurotouch_hid.geometry import Gel, fit_rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker.blobs import Blobs
-from neurotouch_hid.tracker.kernels import image as kernels
-from neurotouch_hid.tracker.kernels import matching, rigid
+from neurotouch_hid.tracker.kernels import chamfer, rigid
+from neurotouch_hid.tracker.kernels import reference as kernels
 from neurotouch_hid.tracker.lattice import Lattice
+from neurotouch_hid.tracker.rest_config import RestConfig
 
 MEAN_FRAMES = 16  # of a reference; the noise of one frame is then a quarter
-MOST_LEFT = 0.5  # of a rig's motion may be left; the light part of a touch is not that rigid
 _FOLLOW_US = 400_000  # time constant with which a reference follows a rig that creeps
 _LONGEST_US = 200_000  # longest time that one frame counts for
 _REDRAW_PX = 0.4  # as far from where they were drawn, white pixels hardly count as elsewhere
-_TURN_RATIO = 1.5  # a turn moves no marker farther than so many times the median of all
+
+
+class Comparison(NamedTuple):
+    """How far a frame is from the gel at rest.
+
+    Attributes:
+        n_found: number of markers near their places.
+        displacement_px: largest distance of these from their places, without the few that may be
+            elsewhere.
+        chamfer_px2: Chamfer distance; NaN if the markers alone show that the gel is not at rest.
+    """
+
+    n_found: int
+    displacement_px: float
+    chamfer_px2: float
 
 
 class Reference:
@@ -27,26 +42,27 @@ class Reference:
         lattice: the markers.
         blobs: of the frame that shows them.
         gel: the gel.
-        most_px2: a larger distance of a single white pixel counts as this one.
+        config: the limits of rest.
 
     Attributes:
         position_px: (n, 2) float64 px, the mean of the first frames at rest; never changed in
             place.
+        limit_px: largest displacement of a gel at rest.
     """
 
-    def __init__(self, lattice: Lattice, blobs: Blobs, gel: Gel, most_px2: int) -> None:
+    def __init__(self, lattice: Lattice, blobs: Blobs, gel: Gel, config: RestConfig) -> None:
         self.bend_px = lattice.bend_px
         self.n_found = lattice.n_found
+        self._config = config
         rig = fit_rig(lattice.position_px, gel)
         self.px_per_mm = rig.px_per_mm
         self.gate_px = 0.35 * gel.pitch_mm * rig.px_per_mm
+        self.limit_px = config.max_displacement_mm * rig.px_per_mm
         reach = np.hypot(*(lattice.position_px - rig.centre_px).T).max()
         self._radius_px = float(reach) + gel.pitch_mm * rig.px_per_mm
-        shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
-        self._mask, self._most_px2 = np.zeros(shape, np.uint8), most_px2
-        self._distance_px2 = np.empty(shape, np.int32)
-        self._white = np.empty(SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX, np.int32)
-        self._match = np.empty(gel.n_markers, np.int32)
+        self._mask = np.zeros((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.uint8)
+        self._pixels = np.empty(0, np.int32)
+        self._scratch = np.empty(self._mask.size, np.int32)
         self._n_frames, self._rest_us = 1, 0
         self.move(lattice.position_px, blobs)
         self._n_moved = MEAN_FRAMES
@@ -58,13 +74,19 @@ class Reference:
         self._draw(blobs)
 
     def _draw(self, blobs: Blobs) -> None:
-        """Takes the white pixels of a frame that shows the markers where they are at rest."""
+        """Takes the white pixels of a frame that shows the markers where they are at rest.
+
+        They are those on the gel, without a lamp beside it.
+        """
         self._drawn_px = self.position_px
         self._centre_px = self.position_px.mean(axis=0)
-        self._pixels = self._white_pixels(blobs).copy()
-        self._mask.flat[self._pixels] = 1
-        kernels.distance_map(self._mask, self._most_px2, self._distance_px2)
+        x, y = self._centre_px.tolist()
+        n = chamfer.gather_inside(
+            blobs.centroid_px, blobs.begin, blobs.members, (x, y), self._radius_px, self._scratch
+        )
         self._mask.flat[self._pixels] = 0
+        self._pixels = self._scratch[:n].copy()
+        self._mask.flat[self._pixels] = chamfer.REFERENCE
 
     def add(self, t_us: int, blobs: Blobs, match: NDArray[np.int32]) -> bool:
         """Takes a frame at rest into the mean, and follows the rig.
@@ -92,71 +114,72 @@ class Reference:
             self.position_px = self.position_px + off_px / self._n_frames
             return False
         share = max(1.0 / self._n_moved, -math.expm1(-elapsed_us / _FOLLOW_US))
-        moved = np.empty_like(self.position_px)
-        rigid.follow_rig(self.position_px, blobs.centroid_px, match, moved)
-        self.position_px = self.position_px + share * (moved - self.position_px)
-        if np.abs(self.position_px - self._drawn_px).max() < _REDRAW_PX:
+        self.position_px, far_px = rigid.creep(
+            self.position_px, blobs.centroid_px, match, share, self._drawn_px
+        )
+        if far_px < _REDRAW_PX:
             return False
         self._draw(blobs)
         return True
 
+    def compare(self, blobs: Blobs, match: NDArray[np.int32]) -> Comparison:
+        """Returns how far a frame is from the gel at rest.
+
+        Args:
+            blobs: of the frame.
+            match: (n,) int32, written: the blob of each marker; negative without one.
+        """
+        return Comparison(
+            *kernels.compare(
+                self.position_px,
+                self._centre_px,
+                self._radius_px,
+                self._pixels,
+                self._mask,
+                self._scratch,
+                blobs.centroid_px,
+                blobs.begin,
+                blobs.members,
+                self.gate_px,
+                self._config.max_displaced,
+                self.limit_px,
+                self._config.min_share * self.n_found,
+                self._config.max_apart_px2,
+                match,
+            )
+        )
+
     def find_moved(
-        self, blobs: Blobs, n_left_out: int, limit_px: float, n_unmoved: int
+        self, blobs: Blobs, n_unmoved: int, match: NDArray[np.int32]
     ) -> NDArray[np.float64] | None:
-        """Returns where the markers would be, (n, 2) px, if only the rig had moved.
+        """Returns where the markers are, (n, 2) px, if only the rig has moved; else None.
 
         Args:
             blobs: of a frame.
-            n_left_out: markers that may be elsewhere.
-            limit_px: for all others, how far a rig may leave them elsewhere.
-            n_unmoved: markers that are near their places if the rig has not moved.
-
-        Returns:
-            None if the gel is plainly touched: some markers are far off and most are not.
+            n_unmoved: markers that are near their places.
+            match: (n,) int32, the blobs of these.
         """
-
-        def measure(by_px: tuple[float, float]) -> tuple[float, float, int]:
-            """Returns the motions from places moved by this, and how many markers are there."""
-            median_px, largest_px = matching.measure_motions(
-                self.position_px + by_px,
-                blobs.centroid_px,
-                self.gate_px,
-                n_left_out,
-                self._match,
-            )
-            return median_px, largest_px, int((self._match >= 0).sum())
-
-        # Specks beside the dots pull the middle of all blobs, but then it fits fewer markers.
-        by_px = rigid.recentre(blobs.centroid_px, self._centre_px, self._radius_px)
-        median_px, largest_px, n_seen = measure(by_px)
-        if n_seen < n_unmoved:
-            by_px = (0.0, 0.0)
-            median_px, largest_px, _ = measure(by_px)
-        shifted: NDArray[np.float64] = self.position_px + by_px
-        left_px = MOST_LEFT * math.hypot(*by_px, median_px)
-        if largest_px > _TURN_RATIO * median_px + min(limit_px, left_px):
-            return None
-        moved = np.empty_like(shifted)
-        rigid.follow_rig(shifted, blobs.centroid_px, self._match, moved)
-        return moved
-
-    def _white_pixels(self, blobs: Blobs) -> NDArray[np.int32]:
-        """Returns the pixels of the blobs on the gel, (n,) int32, without a lamp beside it."""
-        n = kernels.gather_inside(
-            blobs.centroid_px,
-            blobs.begin,
-            blobs.members,
+        is_rig, moved_px = rigid.find_moved(
+            self.position_px,
             self._centre_px,
             self._radius_px,
-            self._white,
+            blobs.centroid_px,
+            self.gate_px,
+            self._config.max_displaced,
+            self.limit_px,
+            self._config.min_share * self.n_found,
+            n_unmoved,
+            match,
         )
-        return self._white[:n]
+        return moved_px if is_rig else None
 
-    def chamfer(self, blobs: Blobs) -> float:
-        """Returns the Chamfer distance of a frame, px²; infinite without any white pixel."""
-        pixels = self._white_pixels(blobs)
-        if not len(pixels):
-            return float("inf")
-        return float(
-            kernels.chamfer(pixels, self._mask, self._pixels, self._distance_px2, self._most_px2)
-        )
+    def locate(self, blobs: Blobs, match: NDArray[np.int32]) -> NDArray[np.float32]:
+        """Returns where a frame shows the markers, (n, 2) px; at rest where it shows none.
+
+        Args:
+            blobs: of the frame.
+            match: (n,) int32, the blob of each marker; negative without one.
+        """
+        seen_px = np.empty(self.position_px.shape, np.float32)
+        kernels.write_seen(self.position_px, blobs.centroid_px, match, seen_px)
+        return seen_px

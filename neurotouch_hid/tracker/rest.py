@@ -3,7 +3,7 @@
 [NT, "Resting Position Detection"].
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,62 +17,21 @@ from neurotouch_hid.messages import (
     GelState,
     RestField,
 )
-from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder, Blobs
+from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.event_camera import EventCamera
 from neurotouch_hid.tracker.gel_watch import GelWatch
 from neurotouch_hid.tracker.kept_motion import PACE_US, KeptMotion
-from neurotouch_hid.tracker.kernels import correction, matching
-from neurotouch_hid.tracker.lattice import Lattice, LatticeConfig, LatticeFinder
-from neurotouch_hid.tracker.reference import MOST_LEFT, Reference
-from neurotouch_hid.tracker.stillness import StillConfig, Stillness
+from neurotouch_hid.tracker.kernels import matching
+from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
+from neurotouch_hid.tracker.moved_rig import MovedRig
+from neurotouch_hid.tracker.reference import Reference
+from neurotouch_hid.tracker.rest_config import RestConfig
+from neurotouch_hid.tracker.stillness import Stillness
 
 _SAME_BEND_PX = 0.1  # two pictures of one undeformed gel differ by less
 _CLEAR_BEND_PX = 0.19  # an untouched gel is bent less, with any optics
 _SINKING_PX = 0.03  # from frame to frame; more means that a touch is just ending
 _RIG_SHARE = 0.5  # of the limit of rest; markers that are farther off may show a rig that creeps
-_RIG_STILL_MM = 0.15  # a rig that moves more from frame to frame still swings
-
-
-@dataclass(frozen=True, slots=True)
-class RestConfig:
-    """Limits within which the gel counts as at rest.
-
-    Attributes:
-        max_chamfer_px2: largest Chamfer distance to the reference, 2.5 [NT, "Experiments"]. Only
-            the sum of the two mean squared distances gives that number a meaning. Without other
-            limits it counts a push of 1.6 mm as rest.
-        max_apart_px2: a pixel that is farther from its nearest one counts as this, because a dot
-            that has come or gone has not moved. Differs: the paper has no such limit.
-        max_displacement_mm: largest distance of a seen marker from its reference, for all but
-            ``max_displaced``. People label a gesture from about 0.3 mm on. Differs: the paper has
-            no such limit (``math.inf`` gives the paper's detector: F1 0.86 on our simulation;
-            0.3 mm gives 0.99).
-        max_displaced: number of markers that may be farther off. Half of the eight markers under a
-            fingertip are more; those at its edge move less than the finger. With 5 % of all markers
-            instead, F1 is 0.976.
-        min_share: least share of the reference's markers that must be seen at their places.
-        still: when a gel is still. Then the mean of its frames, which are at least ``PACE_US``
-            apart, becomes the reference even if it is bent more than an undeformed gel (odd
-            optics). It becomes the new reference if it is elsewhere and bent no more than the old
-            one (its mount was bumped, or a hand was on it at the start).
-        max_odd_bend_px: largest bend with odd optics, as much as one finger that pushes by 1.5 mm.
-        max_print_px: largest tolerance of single markers of a printed gel, standard deviation. It
-            hides a light touch, so a gel painted by hand is accepted only once it has been still.
-        max_odd_displaced: largest number of displaced markers of a still gel that is not bent, for
-            example with reflections of light on the markers.
-    """
-
-    max_chamfer_px2: float = 2.5
-    max_apart_px2: int = 9
-    max_displacement_mm: float = 0.3
-    max_displaced: int = 3
-    min_share: float = 0.9
-    max_odd_bend_px: float = 1.5
-    max_print_px: float = 0.5
-    max_odd_displaced: int = 25
-    still: StillConfig = field(default_factory=StillConfig)
-    blobs: BlobConfig = field(default_factory=BlobConfig)
-    lattice: LatticeConfig = field(default_factory=LatticeConfig)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,12 +99,10 @@ class RestDetector:
         self._finder = finder or BlobFinder(self._config.blobs, gel)
         self._reference: Reference | None = None
         self._camera: EventCamera | None = EventCamera(self._lattice, rig, near_rad)
-        self._match, self._moved_match = np.empty((2, gel.n_markers), np.int32)
+        self._match = np.empty(gel.n_markers, np.int32)
         self._paced_us: int | None = None
         self._is_paced = False
-        self._moved_px: NDArray[np.float64] | None = None
-        self._moved_us = 0
-        self._kept = KeptMotion()
+        self._rig_watch, self._kept = MovedRig(), KeptMotion()
         self._still = Stillness(self._config.still, gel.n_markers // 3)
         self._bend_px = np.inf
         self._watch = GelWatch(self._lattice, near_rad)
@@ -264,81 +221,26 @@ class RestDetector:
 
     def _compare(self, frame: Frame, blobs: Blobs, reference: Reference) -> RestField | None:
         """Returns all markers if white pixels and markers are at the places of the reference."""
-        c, limit_px = self._config, self._config.max_displacement_mm * reference.px_per_mm
-        before_px = reference.position_px
-        n_found, displacement = self._measure(blobs.centroid_px, reference, before_px, self._match)
-        if displacement > _RIG_SHARE * limit_px:
-            self._follow_rig(frame, blobs, reference, limit_px, n_found)
-            if reference.position_px is not before_px:
-                n_found, displacement = self._measure(
-                    blobs.centroid_px, reference, reference.position_px, self._match
-                )
-        distance = float("nan")
-        is_rest = (
-            displacement <= limit_px
-            and n_found >= c.min_share * reference.n_found
-            and (distance := reference.chamfer(blobs)) <= c.max_chamfer_px2
-        )
+        n_found, off_px, chamfer_px2 = reference.compare(blobs, self._match)
+        is_off = off_px > _RIG_SHARE * reference.limit_px
+        if is_off and self._rig_watch.update(frame.t_us, blobs, reference, n_found, self._match):
+            self._note_moved(reference, frame)
+            n_found, off_px, chamfer_px2 = reference.compare(blobs, self._match)
+        is_rest = chamfer_px2 <= self._config.max_chamfer_px2
         if is_rest:
             self._kept.forget()
             if reference.add(frame.t_us, blobs, self._match):
                 self._note_moved(reference, frame)
-        share, off_mm = n_found / reference.n_found, displacement / reference.px_per_mm
+        share, off_mm = n_found / reference.n_found, off_px / reference.px_per_mm
         if is_rest or self._kept.update(frame.t_us, blobs.centroid_px, share, off_mm):
             self._still.forget()
-            self._count(n_found, GelProblem.NONE, distance, displacement)
-            found = self._match >= 0
+            self._count(n_found, GelProblem.NONE, chamfer_px2, off_px)
             self._watch.rest(frame, blobs, self._match, reference.bend_px)
-            measured = reference.position_px.astype(np.float32)
-            measured[found] = blobs.centroid_px[self._match[found]]
-            return RestField(frame.t_us, measured, blur_px=self._watch.blur_px)
-        self._count(n_found, GelProblem.TOUCHED, distance, displacement)
-        self._watch.touch(frame, blobs, n_found, displacement)
+            seen_px = reference.locate(blobs, self._match)
+            return RestField(frame.t_us, seen_px, blur_px=self._watch.blur_px)
+        self._count(n_found, GelProblem.TOUCHED, chamfer_px2, off_px)
+        self._watch.touch(frame, blobs, n_found, off_px)
         return self._settle(frame, blobs, reference)
-
-    def _measure(
-        self,
-        centroid_px: NDArray[np.float64],
-        reference: Reference,
-        position_px: NDArray[np.float64],
-        match: NDArray[np.int32],
-    ) -> tuple[int, float]:
-        """Returns how many markers are seen near their places, and how far they are off, px.
-
-        ``match``, (n,) int32, is written: the blob of each; negative without one.
-        """
-        n_found, displacement = matching.measure_largest(
-            position_px, centroid_px, reference.gate_px, self._config.max_displaced, match
-        )
-        return int(n_found), float(displacement)
-
-    def _follow_rig(
-        self, frame: Frame, blobs: Blobs, reference: Reference, limit_px: float, n_found: int
-    ) -> None:
-        """Moves the reference with a rig that now stands still elsewhere.
-
-        What moves rigidly is the rig: a touch leaves the gel at the rim behind. So many markers are
-        seen near the places that they had so far: ``n_found``.
-        """
-        before, since_us = self._moved_px, frame.t_us - self._moved_us
-        if before is not None and 0 <= since_us < PACE_US:  # too early to tell
-            return
-        self._moved_px, self._moved_us = None, frame.t_us
-        moved = reference.find_moved(blobs, self._config.max_displaced, limit_px, n_found)
-        if moved is None:
-            return
-        n_found, left_px = self._measure(blobs.centroid_px, reference, moved, self._moved_match)
-        rig_px = correction.median_size(moved - reference.position_px)
-        enough = self._config.min_share * reference.n_found
-        is_rig = n_found >= enough and left_px <= min(limit_px, MOST_LEFT * rig_px)
-        self._moved_px = moved if is_rig else None
-        if not is_rig or before is None:
-            return
-        if np.abs(moved - before).max() > _RIG_STILL_MM * reference.px_per_mm:
-            return
-        reference.move(moved, blobs)
-        self._moved_px = None
-        self._note_moved(reference, frame)
 
     def _note_moved(self, reference: Reference, frame: Frame) -> None:
         self._watch.find(reference.position_px, reference.n_found, frame)
@@ -381,11 +283,12 @@ class RestDetector:
             blobs: its blobs.
             shown_px: (m, 2) px, the blobs of the last frame of a mean, which may show fewer.
         """
-        most_px2 = self._config.max_apart_px2
-        self._reference = reference = Reference(lattice, blobs, self._gel, most_px2)
+        self._reference = reference = Reference(lattice, blobs, self._gel, self._config)
         if shown_px is not None:
-            n_shown = self._measure(shown_px, reference, lattice.position_px, self._match)[0]
-            reference.n_found = min(reference.n_found, n_shown)
+            n_shown = matching.match_points(
+                lattice.position_px, shown_px, reference.gate_px, self._match
+            )
+            reference.n_found = min(reference.n_found, int(n_shown))
         n_found = reference.n_found
         # A gel that turns in its mount is searched at its new turn from now on.
         self._near_rad = fit_rig(lattice.position_px, self._gel).rotation_rad

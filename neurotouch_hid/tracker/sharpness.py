@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GelProblem
-from neurotouch_hid.tracker.blobs import Blobs
+from neurotouch_hid.tracker.blobs import Blobs, lighten
+from neurotouch_hid.tracker.kernels.dots import draw_usual
 
 _MOST_DOTS: Final = 40
 _GAUSSIAN: Final = 4.355  # area above half of the height of a Gaussian, in variances
@@ -43,10 +44,7 @@ def measure_sharpness(
         px_per_mm: scale of the image.
         gel: the gel.
     """
-    pixels = gel.lighten(pixels)
     reach = max(round(0.45 * gel.pitch_mm * px_per_mm), 2)
-    step = np.arange(-reach, reach + 1)
-    near = np.hypot(*np.meshgrid(step, step)) <= reach
     x, y = np.rint(blobs.centroid_px).astype(np.intp).T
     within = (x >= reach) & (x < SENSOR_WIDTH_PX - reach)
     within &= (y >= reach) & (y < SENSOR_HEIGHT_PX - reach)
@@ -54,10 +52,7 @@ def measure_sharpness(
     chosen = chosen[:: max(len(chosen) // _MOST_DOTS, 1)]
     if not len(chosen):
         return Sharpness(None, GelProblem.NONE)
-    rows, columns = y[chosen][:, None, None] + step[:, None], x[chosen][:, None, None] + step
-    # Of one dot the noise would be too large, and some dots are reflections, which are sharp.
-    dots = np.sort(pixels[rows, columns][:, near], axis=0)
-    dot = dots[len(dots) // 4 : len(dots) - len(dots) // 4].mean(axis=0)
+    dot = draw_usual(lighten(pixels, gel), x[chosen], y[chosen], reach)
     area = float((dot > 0.5 * (dot.min() + dot.max())).sum())
     sharp = math.pi / 4.0 * (gel.dot_mm * px_per_mm) ** 2
     saturated = float((dot >= _WHITE_DN).sum()) if gel.light else 0.0  # black is no lack of light

@@ -1,5 +1,6 @@
 """Notices that the gel has been still for a while, and keeps the mean of these frames."""
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -89,17 +90,21 @@ class Stillness:
 
     def _is_still(self, before_px: NDArray[np.float64]) -> bool:
         config, now_px = self._config, self._before_px
-        n, swing_px, bent_px = _measure(before_px, now_px)
-        if n < _PAIRED * len(before_px) or swing_px > config.max_swing_px:
-            return False
+        least = _PAIRED * len(before_px)
+        bent_px = _measure(before_px, now_px, least, config.max_swing_px)
         if bent_px > config.max_bent_px:
             return False
-        return _measure(self._first_px, now_px)[2] <= config.max_all_bent_px
+        if self._n_frames > 1:  # else the first one is the one before
+            bent_px = _measure(self._first_px, now_px, 0.0, math.inf)
+        return bent_px <= config.max_all_bent_px
 
 
 def _measure(
-    before_px: NDArray[np.float64], now_px: NDArray[np.float64]
-) -> tuple[int, float, float]:
+    before_px: NDArray[np.float64], now_px: NDArray[np.float64], least: float, most_px: float
+) -> float:
+    """Returns what neighbours share of their motion, see ``measure_shared``."""
     match = np.empty(len(before_px), np.int32)
-    n, swing_px, bent_px = matching.measure_shared(before_px, now_px, _GATE_PX, _REACH_PX, match)
-    return int(n), float(swing_px), float(bent_px)
+    measured = matching.measure_shared(
+        before_px, now_px, _GATE_PX, _REACH_PX, least, most_px, match
+    )
+    return float(measured[2])

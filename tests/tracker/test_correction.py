@@ -12,10 +12,10 @@ from neurotouch_hid.tracker.kernels import tracks as track_kernels
 from neurotouch_hid.tracker.kernels.correction import (
     assign_blobs,
     compare,
-    drift,
-    median_size,
     recall,
 )
+from neurotouch_hid.tracker.kernels.rest_position import drift
+from neurotouch_hid.tracker.kernels.rigid import median_size
 from tests.reference import tracker as reference
 
 REST_PX = Rig((172.0, 130.0), 2.5, 0.1).to_px(PAPER_GEL.points_mm)

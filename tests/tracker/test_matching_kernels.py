@@ -31,7 +31,7 @@ def test_shared_motion_is_that_of_its_definition(seed, n, m):
     rng = np.random.default_rng(seed)
     before, now = rng.uniform(0, 30, (n, 2)), rng.uniform(0, 30, (m, 2))
     match = np.empty(n, np.int32)
-    n_pairs, all_px, bent_px = kernels.measure_shared(before, now, 4.0, 9.0, match)
+    n_pairs, all_px, bent_px = kernels.measure_shared(before, now, 4.0, 9.0, 0.0, np.inf, match)
     expected = reference.match_points(before.tolist(), now.tolist(), 4.0)
     assert match.tolist() == expected
     pairs = [(i, j) for i, j in enumerate(expected) if j >= 0]
@@ -49,11 +49,27 @@ def test_shared_motion_is_that_of_its_definition(seed, n, m):
     assert bent_px**2 == pytest.approx(max(np.mean(products or [0.0]), 0.0), abs=1e-9)
 
 
+def test_what_neighbours_share_is_not_measured_where_all_move_far_or_few_are_seen():
+    before = np.random.default_rng(3).uniform(0, 300, (50, 2))
+    match = np.empty(50, np.int32)
+    far = kernels.measure_shared(before, before + 0.5, 4.0, 9.0, 40.0, 0.3, match)
+    few = kernels.measure_shared(before, before[:30], 4.0, 9.0, 40.0, 0.3, match)
+    assert far[1] == pytest.approx(np.hypot(0.5, 0.5))
+    assert few[0] <= 30
+    assert far[2] == few[2] == np.inf
+
+
 @given(st.lists(st.floats(0.0, 1e9), min_size=1, max_size=40))
 @settings(max_examples=100, deadline=None)
 def test_any_place_in_order_is_selected(values):
     chosen = [kernels.select(np.array(values), k) for k in range(len(values))]
     assert chosen == sorted(values)
+
+
+@given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=40))
+@settings(max_examples=100, deadline=None)
+def test_the_median_is_that_of_numpy(values):
+    assert kernels.median(np.array(values)) == np.median(values)
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(0, 40), st.integers(0, 40))

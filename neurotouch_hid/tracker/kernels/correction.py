@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.filter import STILL_US
-from neurotouch_hid.tracker.kernels.matching import match_points
+from neurotouch_hid.tracker.kernels.matching import match_points, median
 from neurotouch_hid.tracker.kernels.neighbours import expect, find_strays
 from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning, note_frame
 
@@ -70,7 +70,7 @@ def assign_blobs(
     area = np.empty(m, np.float64)
     for j in range(m):
         area[j] = begin[j + 1] - begin[j]
-    merged = area > MAX_AREA_RATIO * np.median(area)
+    merged = area > MAX_AREA_RATIO * median(area)
     match_points(then_px, points_px, GATE_PX, blob)
     lost = np.empty(n, np.bool_)
     for i in range(n):
@@ -195,39 +195,3 @@ def compare(
             tracks.lost[i] = False
         by_px[i, 0], by_px[i, 1] = (0.0, 0.0) if astray[i] else (dx, dy)
     return n_astray
-
-
-@kernel
-def median_size(v: NDArray[np.float64]) -> float:
-    """Returns the median length of vectors (n, 2) float64."""
-    return float(np.median(np.sqrt(v[:, 0] ** 2 + v[:, 1] ** 2)))
-
-
-@kernel
-def drift(
-    off_px: NDArray[np.float64],
-    share: float,
-    touched_share: float,
-    touch_px: float,
-    most_px: float,
-    rest_px: NDArray[np.float64],
-) -> None:
-    """Moves rest positions by a share of their errors.
-
-    The median error is common to the whole gel; the rest is each marker's own error.
-
-    Args:
-        off_px: (n, 2) float64 px, the errors.
-        share: of the common error, and of an own error up to ``touch_px``.
-        touched_share: the smaller share of an own error above ``touch_px``.
-        touch_px: own errors above this are probably a soft touch.
-        most_px: own errors above this are not corrected.
-        rest_px: (n, 2) float64 px, updated.
-    """
-    x, y = float(np.median(off_px[:, 0])), float(np.median(off_px[:, 1]))
-    for i in range(len(off_px)):
-        dx, dy = off_px[i, 0] - x, off_px[i, 1] - y
-        size_px = math.sqrt(dx * dx + dy * dy)
-        part = 0.0 if size_px > most_px else share if size_px <= touch_px else touched_share
-        rest_px[i, 0] += share * x + part * dx
-        rest_px[i, 1] += share * y + part * dy

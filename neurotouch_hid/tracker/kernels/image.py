@@ -1,4 +1,4 @@
-"""Compiled loops on frames: bright blobs, their centroids, distances between sets of pixels."""
+"""Compiled loops that find bright blobs in a frame, and their centroids."""
 
 import math
 from typing import NamedTuple
@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.process.kernel_cache import kernel
+from neurotouch_hid.tracker.kernels.matching import median
 
 BLOCK_PX = 8  # brightness is measured in windows of 3 x 3 blocks, two to three markers wide
 SHIFT = 3  # log2(BLOCK_PX)
@@ -30,6 +31,7 @@ class Buffers(NamedTuple):
         centroid_px: (m, 2) float64, weighted by intensity, columns x, y.
         begin: (m + 1,) int32: the pixels of blob i are members[begin[i]:begin[i + 1]].
         members: (h * w,) int32, y * w + x.
+        smooth: (h, w) uint8, the smoothed picture, if there is need of one.
     """
 
     threshold: NDArray[np.float64]
@@ -38,6 +40,24 @@ class Buffers(NamedTuple):
     centroid_px: NDArray[np.float64]
     begin: NDArray[np.int32]
     members: NDArray[np.int32]
+    smooth: NDArray[np.uint8]
+
+
+class Limits(NamedTuple):
+    """What is a blob; ``BlobConfig`` explains the first five.
+
+    Attributes:
+        most_blobs: of more, most are noise, which also joins some to dots.
+        window_px: standard deviation of the window in which a dot is centred.
+    """
+
+    n_sigma: float
+    min_contrast: float
+    min_clear: int
+    min_area_px: int
+    max_area_px: int
+    most_blobs: int
+    window_px: float
 
 
 @kernel(error_model="numpy")
@@ -87,8 +107,12 @@ def threshold_blocks(
             width = min(w - j * BLOCK_PX, BLOCK_PX)
             sums[i + 1, 0, j + 1] = (bottom - top + 1) // 2 * width
             sums[i + 1, 1, j + 1], sums[i + 1, 2, j + 1] = s, q
+    tall = np.empty((3, columns + 2), np.int32)
     for i in range(rows):
-        tall = sums[i] + sums[i + 1] + sums[i + 2]
+        above, here, below = sums[i], sums[i + 1], sums[i + 2]
+        for k in range(3):
+            for j in range(columns + 2):
+                tall[k, j] = above[k, j] + here[k, j] + below[k, j]
         for j in range(columns):
             n = tall[0, j] + tall[0, j + 1] + tall[0, j + 2]
             mean = (tall[1, j] + tall[1, j + 1] + tall[1, j + 2]) / n
@@ -149,40 +173,55 @@ def _mark(
                 marked[x] = row[x] > levels[x]
 
 
-@kernel(error_model="numpy")
-def _flood(
-    y0: int, x0: int, start: int, pixels: NDArray[np.uint8], buffers: Buffers
-) -> tuple[int, float, float, float]:
-    """Appends the region around (x0, y0) to the members and clears it in ``bright``.
+@kernel
+def _fill(
+    start: int, stride: int, bright: NDArray[np.uint8], members: NDArray[np.int32]
+) -> np.int64:
+    """Appends the region around the member ``start`` and clears it in ``bright``.
+
+    Args:
+        start: the first member; it is cleared already.
+        stride: pixels in a row of ``bright``.
+        bright: flat.
+        members: indices into ``bright``.
 
     Returns:
-        The new end of the members; the mass of the region and its first moments in x and y.
+        The new end of the members.
     """
-    background, bright, members = buffers.background, buffers.bright, buffers.members
-    w = pixels.shape[1]
-    bright[y0 + 1, x0] = 0
-    members[start] = y0 * w + x0
-    head, tail = start, start + 1
-    mass, mx, my = 0.0, 0.0, 0.0
+    # Unsigned: an index that may be negative would cost a test for each use.
+    head, tail, one, row = np.uint64(start), np.uint64(start + 1), np.uint64(1), np.uint64(stride)
     while head < tail:
-        index = np.uint32(members[head])  # unsigned integers divide faster
-        y = np.int64(index // np.uint32(w))
-        x = np.int64(index) - y * w
-        head += 1
-        weight = pixels[y, x] - background[y >> SHIFT, x >> SHIFT]
-        mass += weight
-        mx += weight * x
-        my += weight * y
-        for dy, dx in ((-1, 0), (0, -1), (0, 1), (1, 0)):
-            v, u = y + dy, x + dx
-            if bright[v + 1, u]:
-                bright[v + 1, u] = 0
-                members[tail] = v * w + u
-                tail += 1
-    return tail, mass, mx, my
+        at = np.uint64(members[head])
+        head += one
+        for near in (at - row, at - one, at + one, at + row):
+            if bright[near]:
+                bright[near] = 0
+                members[tail] = near
+                tail += one
+    return np.int64(tail)
 
 
 @kernel(error_model="numpy")
+def _measure_blobs(n: int, pixels: NDArray[np.uint8], buffers: Buffers) -> None:
+    """Writes the centroids of the first ``n`` blobs, and makes their members indices of pixels."""
+    background, begin, members = buffers.background, buffers.begin, buffers.members
+    w, stride = np.uint32(pixels.shape[1]), np.uint32(buffers.bright.shape[1])
+    shift = np.uint32(SHIFT)
+    for i in range(n):
+        mass, mx, my = 0.0, 0.0, 0.0
+        for k in range(begin[i], begin[i + 1]):
+            at = np.uint32(members[np.uint64(k)])
+            row = np.uint32(at // stride)  # unsigned integers divide faster
+            x, y = np.uint32(at - row * stride), np.uint32(row - np.uint32(1))
+            members[np.uint64(k)] = y * w + x
+            weight = pixels[y, x] - background[y >> shift, x >> shift]
+            mass += weight
+            mx += weight * x
+            my += weight * y
+        buffers.centroid_px[i, 0], buffers.centroid_px[i, 1] = mx / mass, my / mass
+
+
+@kernel
 def find_blobs(
     pixels: NDArray[np.uint8], min_area_px: int, max_area_px: int, buffers: Buffers
 ) -> int:
@@ -197,27 +236,28 @@ def find_blobs(
     Returns:
         The number of blobs, at most m.
     """
-    bright, centroid_px, begin = buffers.bright, buffers.centroid_px, buffers.begin
-    words = bright.view(np.uint64)  # most are 0
-    _mark(pixels, buffers.threshold, bright)
-    n, used = 0, 0
+    begin, members, stride = buffers.begin, buffers.members, buffers.bright.shape[1]
+    bright, words = buffers.bright.ravel(), buffers.bright.view(np.uint64).ravel()
+    _mark(pixels, buffers.threshold, buffers.bright)
+    n, used = 0, np.int64(0)
     begin[0] = 0
-    for y0 in range(len(pixels)):
-        for j in range(words.shape[1]):
-            if not words[y0 + 1, j]:
+    for j in range(len(words)):
+        if not words[j]:  # most are 0
+            continue
+        for at in range(8 * j, 8 * j + 8):
+            if not bright[at]:
                 continue
-            for x0 in range(8 * j, 8 * j + 8):
-                if not bright[y0 + 1, x0]:
-                    continue
-                if n == len(centroid_px):
-                    bright[:] = 0
-                    return n
-                end, mass, mx, my = _flood(y0, x0, used, pixels, buffers)
-                if min_area_px <= end - used <= max_area_px:
-                    centroid_px[n, 0], centroid_px[n, 1] = mx / mass, my / mass
-                    used = end
-                    n += 1
-                    begin[n] = used
+            if n == len(begin) - 1:
+                bright[:] = 0
+                break
+            bright[at] = 0
+            members[used] = at
+            end = _fill(used, stride, bright, members)
+            if min_area_px <= end - used <= max_area_px:
+                used = end
+                n += 1
+                begin[n] = used
+    _measure_blobs(n, pixels, buffers)
     return n
 
 
@@ -273,117 +313,31 @@ def centre_blobs(
 
 
 @kernel
-def distance_map(mask: NDArray[np.uint8], most_px2: int, out: NDArray[np.int32]) -> None:
-    """Writes the squared distance, px², of every pixel to the nearest one set in ``mask``.
+def search(buffers: Buffers, limits: Limits, pixels: NDArray[np.uint8], is_fine: bool) -> int:
+    """Finds the blobs of a frame; one that is weak or noisy is smoothed first.
 
     Args:
-        mask: (h, w) uint8.
-        most_px2: a larger distance counts as this one, so that no pixel looks farther.
-        out: (h, w) int32, written.
+        buffers: written.
+        limits: what is a blob.
+        pixels: (h, w) uint8.
+        is_fine: centre dots in a window also where there is little noise.
+
+    Returns:
+        The number of blobs.
     """
-    h, w = mask.shape
-    far = h + w
-    column = np.empty((h, w), np.int64)
-    for x in range(w):
-        d = far
-        for y in range(h):
-            d = 0 if mask[y, x] else min(d + 1, far)
-            column[y, x] = d
-        for y in range(h - 1, -1, -1):
-            d = 0 if mask[y, x] else min(d + 1, far)
-            column[y, x] = min(column[y, x], d)
-    for y in range(h):
-        for x in range(w):
-            best = min(column[y, x] ** 2, most_px2)
-            k = 1
-            while k * k < best and k < w:
-                if x - k >= 0:
-                    best = min(best, k * k + column[y, x - k] ** 2)
-                if x + k < w:
-                    best = min(best, k * k + column[y, x + k] ** 2)
-                k += 1
-            out[y, x] = best
-
-
-@kernel
-def ring_distance(index: int, mask: NDArray[np.uint8], most_px2: int) -> int:
-    """Returns the squared distance, px², of one pixel to the nearest one set in ``mask``.
-
-    Searches square rings of growing size around the pixel.
-
-    Args:
-        index: of the pixel.
-        mask: (h, w) uint8.
-        most_px2: a larger distance, or none in an empty mask, counts as this one.
-    """
-    h, w = mask.shape
-    y, x = index // w, index % w
-    if mask[y, x]:
-        return 0
-    best = most_px2
-    k = 1
-    while k * k < best and k < h + w:
-        for j in range(-k, k + 1):
-            d = k * k + j * j
-            if d < best:
-                left, right, top, bottom = x - k, x + k, y - k, y + k
-                v, u = y + j, x + j
-                if (
-                    0 <= v < h and ((left >= 0 and mask[v, left]) or (right < w and mask[v, right]))
-                ) or (
-                    0 <= u < w and ((top >= 0 and mask[top, u]) or (bottom < h and mask[bottom, u]))
-                ):
-                    best = d
-        k += 1
-    return best
-
-
-@kernel
-def chamfer(
-    now: NDArray[np.int32],
-    mask: NDArray[np.uint8],
-    reference: NDArray[np.int32],
-    reference_px2: NDArray[np.int32],
-    most_px2: int,
-) -> float:
-    """Returns the sum of both mean squared distances of two sets of pixels, px² [NT, Eq. Chamfer].
-
-    Args:
-        now: (n,) int32 pixel indices, n > 0.
-        mask: (h, w) uint8 scratch, all 0 before and after.
-        reference: (m,) int32 pixel indices, m > 0.
-        reference_px2: (h, w) int32, the distance map of the reference, up to ``most_px2``.
-        most_px2: a larger distance of a single pixel counts as this one.
-    """
-    flat, flat_px2 = mask.ravel(), reference_px2.ravel()
-    forward = 0
-    for index in now:
-        forward += flat_px2[index]
-        flat[index] = 1
-    backward = 0
-    for index in reference:
-        if not flat[index]:
-            backward += ring_distance(index, mask, most_px2)
-    for index in now:
-        flat[index] = 0
-    return forward / len(now) + backward / len(reference)
-
-
-@kernel
-def gather_inside(
-    centroid_px: NDArray[np.float64],
-    begin: NDArray[np.int32],
-    members: NDArray[np.int32],
-    centre_px: tuple[float, float],
-    radius_px: float,
-    out: NDArray[np.int32],
-) -> int:
-    """Writes the pixels of all blobs with their centroid in a circle; returns their number."""
-    n = 0
-    for i in range(len(centroid_px)):
-        dx, dy = centroid_px[i, 0] - centre_px[0], centroid_px[i, 1] - centre_px[1]
-        if dx * dx + dy * dy < radius_px * radius_px:
-            for k in range(begin[i], begin[i + 1]):
-                out[n] = members[k]
-                n += 1
+    b, c, least = buffers, limits, limits.min_contrast
+    n_clear = threshold_blocks(pixels, c.n_sigma, least, b.threshold, b.background)
+    if n_clear < c.min_clear:
+        smooth(pixels, GAIN, median(b.background.ravel()), b.smooth)
+        least *= GAIN * NOISE_LEFT
+        threshold_blocks(b.smooth, c.n_sigma, least, b.threshold, b.background)
+        return int(find_blobs(b.smooth, c.min_area_px, c.max_area_px, b))
+    n = int(find_blobs(pixels, c.min_area_px, c.max_area_px, b))
+    is_noisy = n > c.most_blobs
+    if is_noisy:
+        smooth(pixels, 1, MIDDLE_DN, b.smooth)
+        threshold_blocks(b.smooth, c.n_sigma, least, b.threshold, b.background)
+        n = int(find_blobs(b.smooth, c.min_area_px, c.max_area_px, b))
+    if is_noisy or is_fine:
+        centre_blobs(pixels, c.window_px, b.background, b.centroid_px[:n])
     return n

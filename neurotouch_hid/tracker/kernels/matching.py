@@ -140,39 +140,64 @@ def pair_nearest(
 
 
 @kernel
-def select(values: NDArray[np.float64], k: int) -> float:
-    """Returns the value with index ``k`` of the sorted values, (n,) float64, all >= 0.
+def _select_key(keys: NDArray[np.int64], k: int) -> int:
+    """Returns the key with index ``k`` of the sorted keys, (n,) int64.
 
-    A binary search over the bits, which have the same order: it has no branches that a processor
-    would mispredict, as sorting has. After each round, both limits move on to the next value that
-    occurs, so it takes ten rounds instead of sixty.
+    A binary search: it has no branches that a processor would mispredict, as sorting has. After
+    each round, both limits move on to the next key that occurs, so it takes ten rounds instead of
+    sixty.
     """
-    bits = values.view(np.int64)
-    low, high = np.int64(0), bits.max()
+    low, high = keys.min(), keys.max()
     while low < high:
-        middle = low + (high - low) // 2
+        middle = (low & high) + ((low ^ high) >> 1)  # their sum may be too large
         n, below, above = 0, low, high
-        for i in range(len(bits)):  # eight at once
-            is_below = bits[i] <= middle
+        for i in range(len(keys)):  # eight at once
+            is_below = keys[i] <= middle
             n += is_below
-            below = max(below, bits[i] if is_below else low)
-            above = min(above, high if is_below else bits[i])
+            below = max(below, keys[i] if is_below else low)
+            above = min(above, high if is_below else keys[i])
         if n > k:
             high = below
         else:
             low = above
-    return float(np.array([low]).view(np.float64)[0])
+    return int(low)
 
 
 @kernel
-def _measure_pairs(
+def select(values: NDArray[np.float64], k: int) -> float:
+    """Returns the value with index ``k`` of the sorted values, (n,) float64, all >= 0.
+
+    Their bits have the same order.
+    """
+    return float(np.array([_select_key(values.view(np.int64), k)]).view(np.float64)[0])
+
+
+@kernel
+def median(values: NDArray[np.float64]) -> float:
+    """Returns the median of values, (n,) float64, at least one."""
+    bits, n = values.view(np.int64), len(values)
+    rest = np.int64(0x7FFFFFFFFFFFFFFF)  # all bits but the sign; those of a negative value fall
+    keys = np.empty(n, np.int64)
+    for i in range(n):
+        keys[i] = bits[i] ^ ((bits[i] >> 63) & rest)
+    middle = np.empty(2, np.int64)
+    middle[0] = _select_key(keys, (n - 1) // 2)
+    middle[1] = middle[0] if n & 1 else _select_key(keys, n // 2)
+    for i in range(2):
+        middle[i] ^= (middle[i] >> 63) & rest
+    two = middle.view(np.float64)
+    return float(0.5 * (two[0] + two[1]))
+
+
+@kernel
+def measure_sizes(
     before_px: NDArray[np.float64],
     now_px: NDArray[np.float64],
-    gate_px: float,
     match: NDArray[np.int32],
+    n_pairs: int,
 ) -> NDArray[np.float64]:
-    """Returns how far each paired point has moved, (pairs,) float64 px; see ``match_points``."""
-    moved_px = np.empty(match_points(before_px, now_px, gate_px, match))
+    """Returns how far each paired point has moved, (n_pairs,) float64 px; see ``match_points``."""
+    moved_px = np.empty(n_pairs)
     k = 0
     for i in range(len(before_px)):
         j = match[i]
@@ -200,11 +225,11 @@ def measure_largest(
         n_left_out: the number of pairs that may have moved farther.
         match: (n,) int32, written, see ``match_points``.
     """
-    moved_px = _measure_pairs(before_px, now_px, gate_px, match)
-    n = len(moved_px)
+    n = match_points(before_px, now_px, gate_px, match)
     if not n:
         return 0, gate_px
-    return n, float(select(moved_px, max(n - 1 - n_left_out, 0)))
+    moved_px = measure_sizes(before_px, now_px, match, n)
+    return n, select(moved_px, max(n - 1 - n_left_out, 0))
 
 
 @kernel(error_model="numpy")
@@ -213,6 +238,8 @@ def measure_shared(
     now_px: NDArray[np.float64],
     gate_px: float,
     reach_px: float,
+    least: float,
+    most_px: float,
     match: NDArray[np.int32],
 ) -> tuple[int, float, float]:
     """Returns the number of pairs, and how far they have moved together, px.
@@ -225,11 +252,13 @@ def measure_shared(
         now_px: (m, 2) float64 px.
         gate_px: distance limit of a pair.
         reach_px: dots up to this distance are neighbours.
+        least: with fewer pairs, it does not matter what neighbours share.
+        most_px: nor does it if all have moved farther together.
         match: (n,) int32, written, see ``match_points``.
 
     Returns:
         The number of pairs; the mean motion of all; the root mean square of what neighbours share
-        beyond that. Both motions are ``gate_px`` if there is no pair.
+        beyond that, infinite where it does not matter. Both are ``gate_px`` if there is no pair.
     """
     n = match_points(before_px, now_px, gate_px, match)
     if not n:
@@ -245,36 +274,23 @@ def measure_shared(
             mean_x += moved[k, 0] / n
             mean_y += moved[k, 1] / n
             k += 1
-    total, n_pairs = 0.0, 0
+    all_px = math.hypot(mean_x, mean_y)
+    if n < least or all_px > most_px:
+        return n, all_px, np.inf
+    # Blobs come row by row: those before ``first`` are all too far up, ``lowest`` tells how far.
+    lowest = place[:, 1].copy()
+    for i in range(1, n):
+        lowest[i] = max(lowest[i - 1], lowest[i])
+    total, n_pairs, first = 0.0, 0, 0
     for i in range(n):
-        for j in range(i):
+        while first > 0 and place[i, 1] - lowest[first - 1] < reach_px:
+            first -= 1
+        while place[i, 1] - lowest[first] >= reach_px:
+            first += 1
+        for j in range(first, i):
             dx, dy = place[i, 0] - place[j, 0], place[i, 1] - place[j, 1]
             if dx * dx + dy * dy < reach_px * reach_px:
                 total += (moved[i, 0] - mean_x) * (moved[j, 0] - mean_x)
                 total += (moved[i, 1] - mean_y) * (moved[j, 1] - mean_y)
                 n_pairs += 1
-    return n, math.hypot(mean_x, mean_y), math.sqrt(max(total / max(n_pairs, 1), 0.0))
-
-
-@kernel
-def measure_motions(
-    before_px: NDArray[np.float64],
-    now_px: NDArray[np.float64],
-    gate_px: float,
-    n_left_out: int,
-    match: NDArray[np.int32],
-) -> tuple[float, float]:
-    """Returns the median of the motions of all pairs, and the largest of all but a few, px.
-
-    Args:
-        before_px: (n, 2) float64 px, columns x, y.
-        now_px: (m, 2) float64 px.
-        gate_px: distance limit of a pair; returned as both if there is no pair.
-        n_left_out: the number of pairs that may have moved farther.
-        match: (n,) int32, written, see ``match_points``.
-    """
-    moved_px = _measure_pairs(before_px, now_px, gate_px, match)
-    n = len(moved_px)
-    if not n:
-        return gate_px, gate_px
-    return select(moved_px, n // 2), select(moved_px, max(n - 1 - n_left_out, 0))
+    return n, all_px, math.sqrt(max(total / max(n_pairs, 1), 0.0))

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder
+from neurotouch_hid.tracker.kernels import chamfer, dots
 from neurotouch_hid.tracker.kernels import image as kernels
 from tests.reference import tracker as reference
 
@@ -77,7 +78,7 @@ def test_pixels_of_blobs_in_a_circle():
     blobs = BlobFinder().find(draw_dots(np.random.default_rng(5)))
     out = np.empty(90_000, np.int32)
     args = (blobs.centroid_px, blobs.begin, blobs.members)
-    n = kernels.gather_inside(*args, (150.0, 120.0), 60.0, out)
+    n = chamfer.gather_inside(*args, (150.0, 120.0), 60.0, out)
     parts = np.split(blobs.members, blobs.begin[1:-1])
     inside = np.hypot(*(blobs.centroid_px - (150.0, 120.0)).T) < 60.0
     assert 5 < inside.sum() < len(parts)
@@ -165,19 +166,47 @@ def test_distances_and_chamfer_are_exact(seed, n, m):
     rng = np.random.default_rng(seed)
     h, w = 30, 40
     p, q = (np.unique(rng.integers(0, h * w, k)).astype(np.int32) for k in (n, m))
-    p_mask, q_mask = np.zeros((h, w), np.uint8), np.zeros((h, w), np.uint8)
-    p_mask.flat[p], q_mask.flat[q] = 1, 1
-    q_px2, q_near_px2 = np.empty((h, w), np.int32), np.empty((h, w), np.int32)
-    kernels.distance_map(q_mask, 1 << 30, q_px2)
-    kernels.distance_map(q_mask, 9, q_near_px2)
+    mask = np.zeros((h, w), np.uint8)
+    mask.flat[q] = chamfer.REFERENCE
     p_points, q_points = ([divmod(int(i), w) for i in index] for index in (p, q))
     for y, x in rng.integers(0, (h, w), (20, 2)).tolist():
         exact = reference.squared_distance((y, x), q_points)
-        assert (q_px2[y, x], q_near_px2[y, x]) == (exact, min(exact, 9))
-        assert kernels.ring_distance(y * w + x, q_mask, 1 << 30) == exact
-        assert kernels.ring_distance(y * w + x, q_mask, 9) == min(exact, 9)
-    scratch = np.zeros((h, w), np.uint8)
-    assert kernels.chamfer(p, scratch, q, q_px2, 1 << 30) == pytest.approx(
+        for most in (9, 1 << 30):
+            found = chamfer.ring_distance(y * w + x, mask, chamfer.REFERENCE, most)
+            assert found == min(exact, most)
+    before = mask.copy()
+    assert chamfer.chamfer(p, q, mask, 1 << 30) == pytest.approx(
         reference.chamfer(p_points, q_points)
     )
-    assert not scratch.any()
+    assert chamfer.chamfer(p[:0], q, mask, 9) == np.inf
+    assert np.array_equal(mask, before)
+
+
+@pytest.mark.parametrize("n", [1, 6, 45])
+def test_the_usual_dot_is_the_mean_of_the_middle_half_of_each_pixel(n):
+    rng = np.random.default_rng(n)
+    pixels = draw_dots(rng)
+    x, y = rng.integers(5, 340, n), rng.integers(5, 254, n)
+    step = np.arange(-5, 6)
+    near = np.hypot(*np.meshgrid(step, step)) <= 5
+    every = np.sort(pixels[y[:, None, None] + step[:, None], x[:, None, None] + step][:, near], 0)
+    twin = every[n // 4 : n - n // 4].mean(axis=0)
+    np.testing.assert_array_equal(dots.draw_usual(pixels, x, y, 5), twin)
+
+
+def test_brightness_of_dots_and_of_those_around_them():
+    rng, gel = np.random.default_rng(8), PAPER_GEL
+    dots_px = gel.points_mm * 2.5 + (172.0, 130.0)
+    dots_px = np.concatenate([dots_px, dots_px[:3] + 4.0, [(3.0, 3.0), (0.0, 259.4)]])
+    pixels = rng.integers(0, 256, (260, 346)).astype(np.uint8)
+    blob = np.where(rng.random(177) < 0.8, np.arange(177), -1).astype(np.int32)
+    peak = dots.find_peaks(pixels, dots_px)
+    assert peak[-1] == pixels[257:260, 0:3].max()  # the pixels nearest to it
+    usual = dots.find_usual_peaks(peak, blob, gel.neighbours, 0.9)
+    for i in range(177):
+        around = sorted(peak[j] for j in gel.neighbours[i] if j >= 0 and blob[j] >= 0)
+        assert usual[i] == around[int(0.9 * (len(around) - 1))]
+    marker = dots.find_markers(dots_px, blob)
+    assert marker[blob[blob >= 0]].tolist() == np.flatnonzero(blob >= 0).tolist()
+    assert (marker[177:180] >= 0).all()
+    assert (marker[180:] < 0).all()  # far from the gel
