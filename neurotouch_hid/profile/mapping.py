@@ -132,7 +132,7 @@ class Mapping:
             self.release()
         if self._is_calm and gesture.kind is GestureKind.NONE:  # like most steps
             self._reading.t_us = self._conditioner.t_us = t_us
-            self._fatigue.update(self._reading)
+            self._fatigue.pass_time(t_us)
             return GamepadState(t_us)
         reading = self._reading = self._conditioner.read(gesture)
         reading.helper = self._helper
