@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.geometry import MOST_MARKERS, Rig, make_gel, place_square
-from neurotouch_hid.gesture.elastic.fingers import FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.arrays import NOW
 from neurotouch_hid.gesture.elastic.kernels.fit import RIM_WIDTH_MM
 from neurotouch_hid.source.simulator import GelConfig, SimulatorConfig, push, sequence
 from neurotouch_hid.source.simulator.gel import ELASTICITIES, GelMotion
 from neurotouch_hid.source.simulator.optics import CameraModel
+from tests.gesture.stages import Fingers
 from tests.layouts import LAYOUTS
 from tests.reference import gesture_elastic as reference
 
@@ -39,7 +39,7 @@ def test_fingers_are_found_as_a_smaller_gel_follows_them(monkeypatch):
     monkeypatch.setattr(reference, "RIM", SMALL.rim_mm)
     centres, radii = np.array([[-7.0, 1.0], [7.0, -1.0]]), np.array([6.5, 6.0])
     columns = reference.columns(SMALL.points_mm, centres, radii)
-    fingers = FingerTracker(gel=SMALL)
+    fingers = Fingers(gel=SMALL)
     fingers.place(SMALL.points_mm.astype(np.float32), Rig((0.0, 0.0), 1.0))
     for size_mm in (1.0, 2.0, 3.0, 3.0, 3.0, 3.0):
         moved = columns @ (size_mm, 0.0, 0.0, -size_mm, 0.0, 0.0)
@@ -53,4 +53,4 @@ def test_a_gel_with_more_markers_than_kernels_have_places_for_is_refused():
     many = make_gel("many", place_square(1.0, 12.0), pitch_mm=1.0, radius_mm=12.0)
     assert many.n_markers > MOST_MARKERS
     with pytest.raises(ValueError, match=f"at most {MOST_MARKERS} markers, not {many.n_markers}"):
-        FingerTracker(gel=many)
+        Fingers(gel=many)

@@ -5,7 +5,7 @@ Host time never enters, so the same gestures give the same outputs, whatever the
 
 from typing import Final
 
-from neurotouch_hid.messages import Button, GamepadState, Gesture
+from neurotouch_hid.messages import Button, GamepadState, Gesture, GestureKind
 from neurotouch_hid.profile.decision_log import DecisionLog, MappingDecision
 from neurotouch_hid.profile.engine.binding_runner import BindingRunner
 from neurotouch_hid.profile.engine.conditioned_gesture import ConditionedGesture
@@ -46,6 +46,7 @@ class Mapping:
         self._state: PipelineState = "running"
         self._commands: list[str] = []
         self._t_us: int | None = None
+        self._is_calm = False  # the same pad state until the next gesture
         self._helper: frozenset[Button] = frozenset()
         self._reading = ConditionedGesture(0)
         self._fatigue = FatigueMonitor(self._user, self._log)
@@ -115,17 +116,24 @@ class Mapping:
         """Releases everything; a gesture in progress is ignored, the next one counts."""
         self._conditioner.forget()
         self._layers.release()
+        self._is_calm = False
 
     def set_helper_buttons(self, buttons: frozenset[Button]) -> None:
         """Sets the buttons that are down on the co-pilot's device."""
-        self._helper = buttons
+        if buttons != self._helper:
+            self._helper = buttons
+            self._is_calm = False
 
     def update(self, gesture: Gesture) -> GamepadState:
         """Returns all outputs for this gesture, given what came before it."""
         t_us = self._log.t_us = gesture.t_us
-        if self._t_us is not None and not 0 <= t_us - self._t_us <= SILENCE_US:
+        before_us, self._t_us = self._t_us, t_us
+        if before_us is not None and not 0 <= t_us - before_us <= SILENCE_US:
             self.release()
-        self._t_us = t_us
+        if self._is_calm and gesture.kind is GestureKind.NONE:  # like most steps
+            self._reading.t_us = self._conditioner.t_us = t_us
+            self._fatigue.pass_time(t_us)
+            return GamepadState(t_us)
         reading = self._reading = self._conditioner.read(gesture)
         reading.helper = self._helper
         self._fatigue.update(reading)
@@ -133,6 +141,11 @@ class Mapping:
             self._layers.armed = True
         outputs = self._run(reading)
         commands, self._commands = tuple(self._commands), []
+        self._is_calm = (
+            gesture.kind is GestureKind.NONE
+            and self._layers.is_calm
+            and not any(runner.busy for runner, _ in self._safety)
+        )
         return GamepadState(
             t_us,
             frozenset(outputs.buttons),
@@ -183,12 +196,14 @@ class Mapping:
     def _enter(self, state: PipelineState, command: str) -> None:
         self._fatigue.rest()
         self._state = state
+        self._is_calm = False
         self._layers.release()
         self._commands.append(command)
         self._log.note("command", command)
 
     def _take(self, profile: Profile) -> None:
         self._profile = profile
+        self._is_calm = False
         times = resolve_times(profile.timing, self._user.timing)
         self._layers = LayerStack(profile, times, self._log)
         self._safety = self._make_safety(profile)

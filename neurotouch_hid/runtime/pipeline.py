@@ -61,6 +61,7 @@ class Pipeline:
         self._partial: EventPacket | None = None
         self._anchor: RestField | None = None
         self._flicker: Flicker | None = None
+        self._has_events: bool | None = None  # not told yet
         self._idle_us = self._looked_us = 0
 
     @classmethod
@@ -149,7 +150,9 @@ class Pipeline:
         if self.tracker.flicker is not self._flicker:
             self._flicker = self.tracker.flicker
             self.rest.detector.note_flicker(self._flicker.hz if self._flicker else None)
-        self.rest.detector.note_camera(has_events=self.tracker.has_events)
+        if self.tracker.has_events is not self._has_events:
+            self._has_events = self.tracker.has_events
+            self.rest.detector.note_camera(has_events=self._has_events)
         gesture = self.recognizer.update(markers)
         timings.gesture.end(begun_ns)
         if self.tracker.is_unsure:

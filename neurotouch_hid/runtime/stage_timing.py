@@ -1,6 +1,6 @@
 """Host time spent in each stage of the pipeline."""
 
-from collections import deque
+from collections.abc import Sequence
 from time import perf_counter_ns
 from typing import Final
 
@@ -13,23 +13,16 @@ RANKS: Final = (50.0, 99.0, 99.9)
 
 
 class StageTimer:
-    """The host time of one stage.
+    """The host time of one stage."""
 
-    Attributes:
-        spent_ns: all time spent in the stage, in ns.
-        recent_ns: the newest calls, in ns.
-        all_ns: all calls since the start.
-    """
-
-    __slots__ = ("all_ns", "recent_ns", "spent_ns")
+    __slots__ = ("_counted", "_counted_ns", "_newest_ns")
 
     def __init__(self) -> None:
-        self.spent_ns = 0
-        self.recent_ns: deque[int] = deque(maxlen=KEPT)
-        self.all_ns = Histogram()
+        self._newest_ns: list[int] = []  # those of the newest calls that are not counted yet
+        self._counted, self._counted_ns = Histogram(), 0
 
     def end(self, begun_ns: int) -> int:
-        """Counts a call that ends now, in the thread of the pipeline.
+        """Notes a call that ends now, in the thread of the pipeline.
 
         It is no context manager: Python takes twice as long to enter and to leave one.
 
@@ -40,11 +33,27 @@ class StageTimer:
             The present time, at which the next stage may begin.
         """
         now_ns = perf_counter_ns()
-        took_ns = now_ns - begun_ns
-        self.spent_ns += took_ns
-        self.recent_ns.append(took_ns)
-        self.all_ns.add(took_ns)
+        newest_ns = self._newest_ns
+        newest_ns.append(now_ns - begun_ns)
+        if len(newest_ns) == 2 * KEPT:  # many at once take less time than each by itself
+            self._counted.add(newest_ns[:KEPT])
+            self._counted_ns += sum(newest_ns[:KEPT])
+            del newest_ns[:KEPT]
         return now_ns
+
+    @property
+    def spent_ns(self) -> int:
+        """All time spent in the stage, in ns; right in the thread of the pipeline."""
+        return self._counted_ns + sum(self._newest_ns)
+
+    @property
+    def recent_ns(self) -> list[int]:
+        """The newest calls, in ns."""
+        return self._newest_ns[-KEPT:]
+
+    def percentiles_ns(self, ranks: Sequence[float]) -> list[float]:
+        """Returns percentiles of all calls since the start, in ns."""
+        return self._counted.percentiles(ranks, self._newest_ns.copy())
 
 
 class StageTimings:
@@ -74,11 +83,11 @@ class StageTimings:
 
     def recent_ns(self) -> dict[str, list[int]]:
         """Returns how long each of the newest calls took, by stage, in ns."""
-        return {name: list(timer.recent_ns.copy()) for name, timer in self._timers.items()}
+        return {name: timer.recent_ns for name, timer in self._timers.items()}
 
     def spread_ms(self) -> dict[str, tuple[float, ...]]:
         """Returns the ``RANKS`` of all calls since the start, by stage, in ms."""
         return {
-            name: tuple(ns / 1e6 for ns in timer.all_ns.percentiles(*RANKS))
+            name: tuple(ns / 1e6 for ns in timer.percentiles_ns(RANKS))
             for name, timer in self._timers.items()
         }

@@ -146,37 +146,38 @@ class MarkerTracker:
 
     def update(self, packet: EventPacket) -> MarkerField:
         """Returns all markers at the end of a slice."""
-        if len(packet.events):
-            self.has_events, self._event_us = True, packet.t_end_us
+        begin_us, end_us = packet.t_begin_us, packet.t_end_us
+        n, n_events = len(self._all), len(packet.events)
+        if n_events:
+            self.has_events, self._event_us = True, end_us
         self._finder.is_fine = not self.has_events
-        is_alone = not self.has_events or packet.t_end_us - self._event_us > _EVENTLESS_US
+        is_alone = not self.has_events or end_us - self._event_us > _EVENTLESS_US
         if is_alone is not self.follows_frames:
             self.follows_frames = is_alone
             self._tracks.common["frames_alone"] = is_alone
         events = self._gel.lighten_events(packet.events)
-        if not (events.flags.writeable and events.flags.c_contiguous):
+        if not events.flags.carray:
             events = np.array(events, EVENT_DTYPE)
-        events = self._hot.update(events, packet.t_begin_us, packet.t_end_us)
-        events = self._flicker.update(events, packet.t_begin_us, packet.t_end_us)
+        events = self._hot.update(events, begin_us, end_us)
+        events = self._flicker.update(events, begin_us, end_us)
         if not self._anchored:
-            return self._unknown(packet.t_end_us)
-        if packet.gap or self._end_us != packet.t_begin_us:
+            return self._unknown(end_us)
+        if packet.gap or self._end_us != begin_us:
             self._n_gaps += self._end_us is not None
-            if packet.gap and packet.t_begin_us - (self._end_us or 0) > _MAX_HOLE_US:
+            if packet.gap and begin_us - (self._end_us or 0) > _MAX_HOLE_US:
                 self._anchored = False
-                return self._unknown(packet.t_end_us)
-            self._restart(packet.t_begin_us)
-        n = self._gel.n_markers
+                return self._unknown(end_us)
+            self._restart(begin_us)
         position_px, valid = np.empty((n, 2), np.float32), np.empty(n, np.bool_)
         start = 0
         for frame in packet.frames:
-            until_us = min(frame.exposure_end_us, packet.t_end_us)
+            until_us = min(frame.exposure_end_us, end_us)
             start = self._filter(events, start, until_us, position_px, valid)
             self._correct(frame, self._finder.find(frame.pixels))
-        self._filter(events, start, packet.t_end_us, position_px, valid)
-        self._end_us = packet.t_end_us
-        self._n_events += len(packet.events)
-        return MarkerField(packet.t_end_us, self._rest_px, position_px, valid, self._gel)
+        self._filter(events, start, end_us, position_px, valid)
+        self._end_us = end_us
+        self._n_events += n_events
+        return MarkerField(end_us, self._rest_px, position_px, valid, self._gel)
 
     def find_return(self) -> RestField | None:
         """Returns all markers if events alone show that the gel has just come back to rest.

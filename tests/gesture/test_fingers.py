@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.geometry import PAPER_GEL, Rig, make_gel, place_grid
-from neurotouch_hid.gesture.elastic.fingers import FingerConfig, FingerTracker
+from neurotouch_hid.gesture.elastic.fingers import FingerConfig
 from neurotouch_hid.gesture.elastic.kernels.arrays import NOW
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, find_site
 from neurotouch_hid.gesture.elastic.kernels.fit import RIM_WIDTH_MM
 from tests.gesture.elastic import field
+from tests.gesture.stages import Fingers
 
 SEES_ALL = np.ones(len(PAPER_GEL.points_mm), np.bool_)
 RIG = Rig((0.0, 0.0), 1.0)  # a pixel a millimetre
@@ -32,7 +33,7 @@ def found(fingers):
 
 
 def test_two_fingers_are_followed():
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     follow(fingers, [1.0, 2.0, 3.0, 4.0])
     centres, drags = found(fingers)
@@ -42,7 +43,7 @@ def test_two_fingers_are_followed():
 
 @pytest.mark.parametrize("falling", [True, False])
 def test_no_finger_is_added_while_fingers_leave(falling):
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     for size_mm in (1.0, 2.0, 3.0, 4.0):
         push = field(PLACES[:1], np.array([[size_mm, 0.0]]))
@@ -58,7 +59,7 @@ def test_no_finger_is_added_while_fingers_leave(falling):
 )
 def test_a_marker_that_follows_a_speck_is_no_finger(at_mm, by_mm):
     """Beside the rim, where a marker has few neighbours, a finger can be fitted to it alone."""
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     moved = np.zeros(REST_PX.shape)
     moved[np.hypot(*(PAPER_GEL.points_mm - at_mm).T).argmin()] = by_mm
@@ -70,7 +71,7 @@ def test_a_marker_that_follows_a_speck_is_no_finger(at_mm, by_mm):
 
 
 def test_a_marker_that_follows_a_speck_beside_a_finger_is_none():
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     push = field(PLACES[:1], np.array([[0.5, 0.0]]))
     for _ in range(3):
@@ -81,7 +82,7 @@ def test_a_marker_that_follows_a_speck_beside_a_finger_is_none():
 
 
 def test_tracks_that_stay_behind_one_by_one_are_no_fingers():
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     push = field(PLACES[:1], np.array([[1.0, 0.0]]))
     for share in (1.0, 0.6, 0.4):
@@ -95,7 +96,7 @@ def test_tracks_that_stay_behind_one_by_one_are_no_fingers():
 
 
 def test_overlapping_fingers_are_searched_for_again():
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     follow(fingers, [1.0, 2.0])
     fit = fingers.arrays.fits[NOW]
@@ -108,7 +109,7 @@ def test_overlapping_fingers_are_searched_for_again():
 
 
 def test_a_finger_in_the_wrong_place_is_searched_for_again():
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     follow(fingers, [1.0, 2.0])
     fingers.arrays.fits[NOW]["centres"][:2] = [[0.0, -24.0], [0.0, 24.0]]
@@ -121,7 +122,7 @@ def test_fingers_whose_markers_have_lost_their_trust_are_searched_for_again():
     hand = np.array([[-11.0, 5.0], [-13.5, -12.5], [1.0, -5.3]])
     inward = hand.mean(axis=0) - hand
     inward /= np.hypot(*inward.T)[:, None]
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     fingers.update(field(hand, 0.4 * inward), SEES_ALL, 0.05, forming=True)
     fit, moved = fingers.arrays.fits[NOW], field(hand, 3.0 * inward)
@@ -137,7 +138,7 @@ def test_fingers_whose_markers_have_lost_their_trust_are_searched_for_again():
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
 def test_a_single_marker_that_follows_a_wrong_dot_makes_no_finger(way):
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     rng = np.random.default_rng(4)
     for size_mm in np.minimum(np.arange(0.1, 5.0, 0.1), 0.6):
@@ -152,7 +153,7 @@ def test_a_single_marker_that_follows_a_wrong_dot_makes_no_finger(way):
 def test_slices_of_any_length_trust_and_check_their_fingers_alike():
     trust, searches = [], []
     for step_us in (1_000, 4_000, 10_000):
-        fingers = FingerTracker()
+        fingers = Fingers()
         fingers.place(REST_PX, RIG)
         for t_us in range(0, 400_000, step_us):
             size_mm = min(1.0 + 3.0 * t_us / 100_000, 4.0)
@@ -172,12 +173,12 @@ def test_a_search_that_stops_early_finds_the_same_fingers():
     ]
     motions, asked = [], []
     for sure in (FingerConfig().sure, 0.0):  # 0: every site is computed every time
-        fingers = FingerTracker(FingerConfig(sure=sure))
+        fingers = Fingers(FingerConfig(sure=sure))
         fingers.place(REST_PX, RIG)
         each = []
         for moved in fields:
             motion = fingers.update(moved, SEES_ALL, 0.05, forming=True)
-            motion = motion._replace(parts_mm=motion.parts_mm.tolist())
+            motion.parts_mm = motion.parts_mm.tolist()
             each.append((motion, motion.n_fingers and fingers.locate_shown().mm.tolist()))
         motions.append(each)
         asked.append(int(fingers.arrays.state["n_asked"][0]))
@@ -187,7 +188,7 @@ def test_a_search_that_stops_early_finds_the_same_fingers():
 
 def test_every_fourth_site_shows_whether_there_is_a_finger_at_all():
     rng = np.random.default_rng(5)
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     arrays, n_found = fingers.arrays, 0
     gel = arrays.gel[0]
@@ -211,7 +212,7 @@ def test_every_fourth_site_shows_whether_there_is_a_finger_at_all():
 
 
 def test_names_stay_with_fingers_until_they_are_forgotten():
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     follow(fingers, [1.0, 2.0, 3.0])
     names = fingers.arrays.fits["ids"][NOW][:2].tolist()
@@ -225,7 +226,7 @@ def test_names_stay_with_fingers_until_they_are_forgotten():
 
 
 def test_a_knock_has_no_finger_and_a_light_touch_is_no_knock():
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     knock = np.full(PAPER_GEL.points_mm.shape, 0.3)
     motion = fingers.update(knock, SEES_ALL, 0.05, forming=True)
@@ -238,7 +239,7 @@ def test_a_knock_has_no_finger_and_a_light_touch_is_no_knock():
 
 
 def test_a_gel_that_stays_elsewhere_sways_no_more():
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     bumped = np.full(PAPER_GEL.points_mm.shape, 0.25)
     for _ in range(200):
@@ -256,7 +257,7 @@ def test_a_gel_that_stays_elsewhere_sways_no_more():
 
 
 def test_a_rig_that_has_been_bumped_sways_no_more_once_its_new_place_is_known():
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     for _ in range(25):
         fingers.update(np.full(PAPER_GEL.points_mm.shape, 4.0), SEES_ALL, 0.05, forming=True)
@@ -267,7 +268,7 @@ def test_a_rig_that_has_been_bumped_sways_no_more_once_its_new_place_is_known():
 
 def test_contacts_are_in_gel_and_image_coordinates():
     rig = Rig((170.0, 130.0), 2.4, 0.2)
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(rig.to_px(PAPER_GEL.points_mm).astype(np.float32), rig)
     moved_px = rig.to_px(PAPER_GEL.points_mm + pinch(4.0)) - rig.to_px(PAPER_GEL.points_mm)
     for _ in range(4):
@@ -291,7 +292,7 @@ def test_a_finger_beside_the_dots_is_found_at_their_rim(place_mm):
     """What it moves of them looks like a finger at the rim, and nothing shows where it ends."""
     response = np.empty((2 * FLAT.n_markers, 3))
     fill_responses(FLAT.points_mm, np.array([place_mm]), 6.5, FLAT.rim_mm, response)
-    fingers = FingerTracker(gel=FLAT)
+    fingers = Fingers(gel=FLAT)
     fingers.place(FLAT.points_mm.astype(np.float32), RIG)
     for size_mm in (1.0, 2.0, 3.0, 4.0, 4.0, 3.0, 2.0, 1.0):
         moved = (response @ (-size_mm * np.sign(place_mm[0]), 0.0, 0.0)).reshape(-1, 2)
@@ -304,4 +305,4 @@ def test_a_finger_beside_the_dots_is_found_at_their_rim(place_mm):
 
 
 def test_on_the_usual_gel_a_finger_may_be_anywhere_within_its_reach():
-    assert FingerTracker().arrays.gel["inner_mm"][0] > PAPER_GEL.rim_mm - RIM_WIDTH_MM
+    assert Fingers().arrays.gel["inner_mm"][0] > PAPER_GEL.rim_mm - RIM_WIDTH_MM

@@ -3,26 +3,19 @@
 import numpy as np
 import pytest
 
-from neurotouch_hid.gesture.elastic.kernels.arrays import MOTION
-from neurotouch_hid.gesture.elastic.kind_decider import KindDecider
 from neurotouch_hid.messages import GestureKind
-
-
-class Decider(KindDecider):
-    """One that is told the motion of each slice of 10 ms."""
-
-    def __init__(self):
-        self.motion = np.zeros(1, MOTION)
-        super().__init__(self.motion)
-
-    def tell(self, *motion, noise_mm=0.05, rest_age_us=None):
-        self.motion[0] = motion
-        self.update(10_000, noise_mm, rest_age_us)
-        return self.kind
+from tests.gesture.stages import NEVER_US, Decider
 
 
 def push(
-    decision, size_mm, *, sway_mm=0.0, error_mm=0.0, is_lost=False, noise_mm=0.05, rest_age_us=None
+    decision,
+    size_mm,
+    *,
+    sway_mm=0.0,
+    error_mm=0.0,
+    is_lost=False,
+    noise_mm=0.05,
+    rest_age_us=NEVER_US,
 ):
     """One slice of 10 ms in which one finger drags by ``size_mm``."""
     parts_mm = [0.0, size_mm, 0.0, 0.0, 0.0, 0.0]
@@ -108,7 +101,7 @@ def test_a_gesture_that_goes_on_does_not_end_because_its_fingers_are_lost():
 @pytest.mark.parametrize(
     ("left_mm", "rest_age_us", "kind"),
     [
-        (0.45, None, GestureKind.PUSH),
+        (0.45, NEVER_US, GestureKind.PUSH),
         (0.45, 20_000, GestureKind.NONE),
         (0.45, 300_000, GestureKind.PUSH),  # it shows the gel before the push
         (3.0, 20_000, GestureKind.PUSH),  # the fingers are back

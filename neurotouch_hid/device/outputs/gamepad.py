@@ -7,6 +7,7 @@ codes, so a layout is data (``identities.toml``) and tests pin it.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 from evdev import ecodes
 
@@ -19,7 +20,7 @@ PHYS = "neurotouch/pad0"
 _TO_BOTH_SIDES = {Axis.LEFT_X, Axis.LEFT_Y, Axis.RIGHT_X, Axis.RIGHT_Y, Axis.DPAD_X, Axis.DPAD_Y}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ControlLayout:
     """Maps each control of the pad to a control of the kernel.
 
@@ -52,18 +53,35 @@ class ControlLayout:
 
     def encode(self, state: GamepadState) -> tuple[int, ...]:
         """Returns the report of a state: the value of every control, in order."""
-        down, moved = state.buttons, state.axes
-        levels = {
-            axis: _scale(moved[axis], control, signed=axis in _TO_BOTH_SIDES)
-            if axis in moved
-            else control.rest
-            for axis, control in self.axes.items()
-        }
-        return (
-            *[int(button in down) for button in self.buttons],
-            *[int(levels[axis] != self.axes[axis].rest) for axis in self.trigger_buttons],
-            *levels.values(),
-        )
+        report = self._rest.copy()
+        for button in state.buttons:
+            if button in self.buttons:
+                report[self._button_places[button]] = 1
+        for axis, value in state.axes.items():
+            if value and axis in self.axes:
+                control = self.axes[axis]
+                level = _scale(value, control, signed=axis in _TO_BOTH_SIDES)
+                report[self._axis_places[axis]] = level
+                if axis in self.trigger_buttons:
+                    report[self._trigger_places[axis]] = int(level != control.rest)
+        return tuple(report)
+
+    @cached_property
+    def _rest(self) -> list[int]:
+        return [control.rest for control in self.controls]
+
+    @cached_property
+    def _button_places(self) -> dict[Button, int]:
+        return {button: place for place, button in enumerate(self.buttons)}
+
+    @cached_property
+    def _trigger_places(self) -> dict[Axis, int]:
+        return {axis: place for place, axis in enumerate(self.trigger_buttons, len(self.buttons))}
+
+    @cached_property
+    def _axis_places(self) -> dict[Axis, int]:
+        n_keys = len(self.buttons) + len(self.trigger_buttons)
+        return {axis: place for place, axis in enumerate(self.axes, n_keys)}
 
     def decode(self, report: tuple[int, ...]) -> tuple[frozenset[Button], dict[Axis, float]]:
         """Returns the content of a report: the buttons that are down, and the axes off rest."""

@@ -128,6 +128,8 @@ class UinputNode:
         Raises:
             DeviceError: the kernel refuses it.
         """
+        if report == self._report and not steps:
+            return
         changes = [
             (control.type, control.code, value)
             for control, old, value in zip(self._spec.controls, self._report, report, strict=True)
@@ -138,8 +140,6 @@ class UinputNode:
             *(change for change in reversed(changes) if change[2] == 0),
             *(change for change in changes if change[2] != 0),
         ]
-        if not frame:
-            return
         frame.append((ecodes.EV_SYN, ecodes.SYN_REPORT, 0))
         try:
             at = stamp_ns // 1_000_000_000, stamp_ns // 1_000 % 1_000_000

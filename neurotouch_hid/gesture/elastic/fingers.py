@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig, place_square
 from neurotouch_hid.gesture.elastic.kernels.arrays import MOST, N_SIDES, make_arrays
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, rim_window
-from neurotouch_hid.gesture.elastic.kernels.follow import follow, locate_shown
+from neurotouch_hid.gesture.elastic.kernels.follow import locate_shown
 from neurotouch_hid.gesture.elastic.kernels.markers import measure_spread
 from neurotouch_hid.gesture.elastic.kernels.search import CHECK_US
 from neurotouch_hid.process.kernel_cache import bind
@@ -88,38 +88,6 @@ CONFIG: Final = np.dtype(
 """``FingerConfig`` as a record for kernels."""
 
 
-class FingerMotion(NamedTuple):
-    """The common motion of the fingers.
-
-    Attributes:
-        n_fingers: the number of fingers that take part. If it is 0, only ``sway_mm`` has a
-            meaning; all else is 0, and ``scale`` is 1.
-        largest_mm: the largest motion of a finger.
-        peak_mm: how far dots under a finger go at most, see ``measure_peak``.
-        sway_mm: how far the whole gel is from its recent mean.
-        error_mm: rms of the displacement that the fingers do not explain, one axis.
-        is_lost: the fingers explain too little of the field, and no search found better ones.
-        x_mm: translation of the fingers' mean position along x.
-        y_mm: the same along y.
-        rotation_rad: rotation about the mean position, clockwise for the user positive.
-        scale: scaling about the mean position, 1 at rest.
-        parts_mm: (6,) float64, the motion since the fingers landed that speaks for each
-            GestureKind; NONE has 0.
-    """
-
-    n_fingers: int
-    largest_mm: float
-    peak_mm: float
-    sway_mm: float
-    error_mm: float
-    is_lost: bool
-    x_mm: float
-    y_mm: float
-    rotation_rad: float
-    scale: float
-    parts_mm: Floats
-
-
 class Contacts(NamedTuple):
     """The contacts that are shown.
 
@@ -157,11 +125,7 @@ class FingerTracker:
         places["inner_mm"] = sides[:, 2].min()
         places["rim_mm"] = gel.rim_mm
         self._n, self._state = gel.n_markers, self.arrays.state
-        self._slice, self._motion = self._state["slice"], self._state["motion"]
-        self._follow, self._locate_shown = (
-            bind(follow, self.arrays),
-            bind(locate_shown, self.arrays),
-        )
+        self._locate_shown = bind(locate_shown, self.arrays)
         self._built: Floats = np.full(gel.points_mm.shape, np.inf)
         self._rest_px: NDArray[np.float32] | None = None
         self.reset()
@@ -216,33 +180,6 @@ class FingerTracker:
         arrays.inverse[:] = np.linalg.inv(
             np.einsum("nsa,nsb->sab", rows, rows) + np.diag([1e-6, 1e-6, 1e-2])
         )
-
-    def update(
-        self,
-        moved_px: Floats,
-        use: NDArray[np.bool_],
-        noise_mm: float,
-        *,
-        step_us: int = CHECK_US,
-        forming: bool,
-        falling: bool = False,
-    ) -> FingerMotion:
-        """Fits the fingers to the displacements of one slice.
-
-        Args:
-            moved_px: (n, 2) float64 px, displacement of each marker.
-            use: (n,) bool, True for measured markers.
-            noise_mm: error of a marker on one axis.
-            step_us: time since the previous slice.
-            forming: the gesture may still become another one; also search for fingers from nothing.
-            falling: the fingers leave the gel; then no finger is added.
-
-        Returns:
-            Their common motion.
-        """
-        self._slice[0] = (noise_mm, step_us, forming, falling)
-        self._follow(moved_px, use)
-        return FingerMotion._make(self._motion.item())
 
     def locate_shown(self, least: int = 1) -> Contacts:
         """Returns the contacts of the fingers found in the last slice.

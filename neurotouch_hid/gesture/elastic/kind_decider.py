@@ -1,23 +1,15 @@
-"""Decides over sensor time when a gesture begins and ends, and which kind it is."""
+"""Thresholds and times by which a gesture begins and ends, and which kind it is."""
 
-import math
 from dataclasses import astuple, dataclass, fields
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.gesture.elastic.kernels.kind import DECISION, decide, forget
-from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.process.kernel_cache import bind
-
-_KINDS: Final = tuple(GestureKind)
-_NEVER_US: Final = 1 << 60  # ago
-
 
 @dataclass(frozen=True, slots=True)
 class KindDeciderConfig:
-    """Thresholds and times of ``KindDecider``.
+    """Thresholds and times of ``decide``.
 
     The size of a gesture is how far dots under a finger go at most, mm.
 
@@ -109,47 +101,8 @@ class KindDeciderConfig:
 _RULES: Final = np.dtype(
     [(f.name, "i8" if f.name.endswith("_us") else "f8") for f in fields(KindDeciderConfig)]
 )
-"""``KindDeciderConfig`` as a record for kernels."""
 
 
-class KindDecider:
-    """Decides the kind of one gesture at a time, from rest to rest.
-
-    Args:
-        motion: (1,) ``MOTION``, the record into which each slice's motion is written.
-        config: thresholds and times.
-
-    Attributes:
-        kind: of the gesture; NONE at rest.
-        confidence: 0..1.
-        is_forming: True while the gesture may still become another kind.
-        is_falling: True while the fingers leave the gel.
-    """
-
-    def __init__(self, motion: NDArray[np.void], config: KindDeciderConfig | None = None) -> None:
-        self._config = config or KindDeciderConfig()
-        rules, decision = np.array([astuple(self._config)], _RULES), np.zeros(1, DECISION)
-        self._decision, self._peak_mm = decision, motion["peak_mm"]
-        self._decide = bind(decide, decision, rules, motion)
-        self.reset()
-
-    def reset(self) -> None:
-        """Returns to rest."""
-        forget(self._decision)
-        self.kind, self.confidence = GestureKind.NONE, 1.0
-        self.is_forming, self.is_falling = True, False
-
-    def update(self, step_us: int, noise_mm: float, rest_age_us: int | None = None) -> None:
-        """Takes one slice, whose motion has been written.
-
-        Args:
-            step_us: time since the previous slice.
-            noise_mm: error of a marker on one axis.
-            rest_age_us: how long ago the gel was seen at rest, if a frame has just told so.
-        """
-        # Here, because kernels have no length of three numbers that is as exact.
-        error_mm = math.hypot(self._config.unsure_mm, noise_mm / 3.0, 0.02 * self._peak_mm.item())
-        kind, self.confidence, self.is_forming, self.is_falling = self._decide(
-            step_us, noise_mm, error_mm, _NEVER_US if rest_age_us is None else rest_age_us
-        )
-        self.kind = _KINDS[kind]
+def make_rules(config: KindDeciderConfig) -> NDArray[np.void]:
+    """Returns them as the record (1,) that kernels read."""
+    return np.array([astuple(config)], _RULES)

@@ -8,8 +8,11 @@ from numpy.typing import NDArray
 from neurotouch_hid.geometry import Gel, Rig
 from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.gesture.elastic.fingers import FingerConfig, FingerTracker
-from neurotouch_hid.gesture.elastic.kind_decider import KindDecider, KindDeciderConfig
+from neurotouch_hid.gesture.elastic.kernels.kind import DECISION, forget
+from neurotouch_hid.gesture.elastic.kernels.recognize import recognize
+from neurotouch_hid.gesture.elastic.kind_decider import KindDeciderConfig, make_rules
 from neurotouch_hid.messages import Gesture, GestureKind, no_gesture
+from neurotouch_hid.process.kernel_cache import bind
 
 Floats = NDArray[np.float64]
 
@@ -20,6 +23,8 @@ PAIR_MM = 0.8
 """In a smaller pinch, zoom or twist only fingers whose dots have moved are contacts: a hand lands
 and leaves finger by finger."""
 RESTING_FINGERS = FingerConfig(still_share=0.2)
+_KINDS = tuple(GestureKind)
+_NEVER_US = -(1 << 60)  # long before any slice
 
 
 class ElasticMethod:
@@ -29,12 +34,14 @@ class ElasticMethod:
         is_resting = config.neutral == "resting"
         self._fingers = FingerTracker(RESTING_FINGERS if is_resting else FingerConfig(), gel)
         rules = RESTING_KIND if is_resting else KindDeciderConfig()
-        self._decision = KindDecider(self._fingers.arrays.state["motion"], rules)
+        self._decision = np.zeros(1, DECISION)
+        self._recognize = bind(recognize, self._fingers.arrays, self._decision, make_rules(rules))
         self._rest_px: NDArray[np.float32] | None = None
         self._noise_mm = 0.08
         self._unmeasured_us = 0
         self._remembers = False
-        self._seen_rest_us: int | None = None
+        self._seen_rest_us = _NEVER_US
+        self.reset()
 
     def note_rest(self, t_us: int) -> None:
         """Takes that a frame shows the gel at rest: a gesture whose fingers leave is over."""
@@ -43,7 +50,7 @@ class ElasticMethod:
     def reset(self) -> None:
         """Forgets the gesture."""
         self._fingers.reset()
-        self._decision.reset()
+        forget(self._decision)
         self._remembers = False
 
     def update(
@@ -56,46 +63,41 @@ class ElasticMethod:
         rig: Rig,
     ) -> Gesture:
         """Returns the gesture at the end of a slice; see ``GestureMethod.update``."""
-        fingers, decision = self._fingers, self._decision
+        fingers = self._fingers
         if rest_px is not self._rest_px:
             self._rest_px = rest_px
             fingers.place(rest_px, rig)
         # The noise at rest can be much less than the errors of dots that have moved.
         noise_mm = max(self._noise_mm, fingers.config.least_noise_mm)
-        motion = fingers.update(
-            moved_px,
-            use,
-            noise_mm,
-            step_us=step_us,
-            forming=decision.is_forming,
-            falling=decision.is_falling,
+        rest_age_us = t_us - self._seen_rest_us
+        self._seen_rest_us = _NEVER_US
+        kind, confidence, n_fingers, largest_mm, peak_mm, x_mm, y_mm, rotation_rad, scale = (
+            self._recognize(moved_px, use, step_us, noise_mm, rest_age_us)
         )
-        rest_age_us = None if self._seen_rest_us is None else t_us - self._seen_rest_us
-        self._seen_rest_us = None
-        decision.update(step_us, noise_mm, rest_age_us)
-        if not motion.n_fingers:
+        if not n_fingers:
             self._measure_noise(step_us)
-            if decision.kind is GestureKind.NONE and self._remembers:
+            if not kind and self._remembers:
                 self.reset()
             return no_gesture(t_us)
         self._remembers = True
-        if decision.kind is GestureKind.NONE:
-            if motion.largest_mm < fingers.config.least_mm:
+        if not kind:
+            if largest_mm < fingers.config.least_mm:
                 self.reset()
-            return no_gesture(t_us, decision.confidence)
+                return no_gesture(t_us)
+            return no_gesture(t_us, confidence)
         # A pinch, zoom or twist needs two fingers, though one of them may keep still.
-        takes_one = decision.kind is GestureKind.PUSH or motion.peak_mm < PAIR_MM
-        contacts = fingers.locate_shown(1 if takes_one else 2)
+        takes_one = kind == GestureKind.PUSH or peak_mm < PAIR_MM
+        mm, px, intensity_mm = fingers.locate_shown(1 if takes_one else 2)
         return Gesture(
-            t_us=t_us,
-            kind=decision.kind,
-            contacts_mm=contacts.mm,
-            contacts_px=contacts.px,
-            intensity_mm=contacts.intensity_mm,
-            translation_mm=(motion.x_mm, motion.y_mm),
-            rotation_rad=motion.rotation_rad,
-            scale=motion.scale,
-            confidence=decision.confidence,
+            t_us,
+            _KINDS[kind],
+            mm,
+            px,
+            intensity_mm,
+            (x_mm, y_mm),
+            rotation_rad,
+            scale,
+            confidence,
         )
 
     def _measure_noise(self, step_us: int) -> None:

@@ -48,17 +48,21 @@ class FatigueMonitor:
     def update(self, reading: ConditionedGesture) -> None:
         """Takes one reading, and eases it."""
         self._effort.update(reading)
-        if self._setting == "none":
-            return
-        if reading.kind != GestureKind.NONE:
+        if reading.kind == GestureKind.NONE:
+            self.pass_time(reading.t_us)
+        elif self._setting != "none":
             self._used_us = reading.t_us
             self._relief.ease(reading)
+
+    def pass_time(self, t_us: int) -> None:
+        """Takes that there is still no gesture."""
+        if self._setting == "none":
             return
-        if self._used_us is not None and reading.t_us - self._used_us >= RESTED_US:
+        if self._used_us is not None and t_us - self._used_us >= RESTED_US:
             self._used_us = None
             self.rest()
-        if self._relief.is_due(reading.t_us):
-            self._consider(reading.t_us)
+        if self._relief.is_due(t_us):
+            self._consider(t_us)
 
     def _consider(self, t_us: int) -> None:
         usages = self._effort.report()

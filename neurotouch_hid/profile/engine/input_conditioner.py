@@ -38,7 +38,7 @@ PHASE_BEGIN_MM_S: Final = 20.0
 PHASE_END_MM_S: Final = 8.0
 """From which speed on an intensity rises or falls, and below which it no longer does."""
 
-_SPEED_CUTOFF_HZ: Final = 5.0
+_SPEED_TURN: Final = 2.0 * math.pi * 5.0  # of a low-pass of 5 Hz, per second
 _PUSHES: Final = ("push_left", "push_right", "push_up", "push_down")
 _MIRRORED: Final = {
     GestureKind.TWIST_CW: GestureKind.TWIST_CCW,
@@ -71,6 +71,9 @@ class InputConditioner:
         filter_name: the tremor filter.
         bound: the kinds of gestures any binding waits for.
         latch: keep the kind until the gesture ends.
+
+    Attributes:
+        t_us: the moment of the gesture before.
     """
 
     def __init__(
@@ -96,7 +99,7 @@ class InputConditioner:
         self._bound = bound & self._made
         self._latch = latch
         self._watches_onset = GestureKind.PUSH in self._bound and len(self._bound) > 1
-        self._t_us: int | None = None
+        self.t_us: int | None = None
         self._memory = _Memory()
         self._is_fresh = True
 
@@ -117,8 +120,8 @@ class InputConditioner:
 
     def read(self, gesture: Gesture) -> ConditionedGesture:
         """Returns the conditioned gesture; at rest if a measurement is not a number."""
-        step_us = 0 if self._t_us is None else gesture.t_us - self._t_us
-        self._t_us = gesture.t_us
+        step_us = 0 if self.t_us is None else gesture.t_us - self.t_us
+        self.t_us = gesture.t_us
         kind, mm = gesture.kind, float(gesture.intensity_mm)
         if kind == GestureKind.NONE or not math.isfinite(mm):
             if not self._is_fresh:
@@ -153,10 +156,11 @@ class InputConditioner:
     def _orient(self, vector: Vector) -> Vector:
         """Returns a vector of the gel as the person sees it; (0, 0) if it is not a number."""
         x, y = vector
-        if not (math.isfinite(x) and math.isfinite(y)):
-            return 0.0, 0.0
-        x = min(max(x, -MOST_MM), MOST_MM)
-        y = min(max(y, -MOST_MM), MOST_MM)
+        if not (-MOST_MM <= x <= MOST_MM and -MOST_MM <= y <= MOST_MM):
+            if not (math.isfinite(x) and math.isfinite(y)):
+                return 0.0, 0.0
+            x = min(max(x, -MOST_MM), MOST_MM)
+            y = min(max(y, -MOST_MM), MOST_MM)
         if not self._turned:
             return x, y
         x, y = x * self._cos - y * self._sin, x * self._sin + y * self._cos
@@ -192,16 +196,15 @@ class InputConditioner:
     def _measure_speed(self, mm: float, step_us: int) -> None:
         memory = self._memory
         step_s = min(max(step_us, 1_000), 50_000) * 1e-6
-        turn = 2.0 * math.pi * _SPEED_CUTOFF_HZ * step_s
-        speed = (mm - memory.mm) / step_s
-        memory.speed += turn / (turn + 1.0) * (speed - memory.speed)
-        memory.top_speed = max(memory.top_speed, memory.speed)
-        memory.mm = mm
-        if memory.speed > PHASE_BEGIN_MM_S:
+        turn = _SPEED_TURN * step_s
+        speed = memory.speed + turn / (turn + 1.0) * ((mm - memory.mm) / step_s - memory.speed)
+        memory.speed, memory.mm = speed, mm
+        memory.top_speed = max(memory.top_speed, speed)
+        if speed > PHASE_BEGIN_MM_S:
             memory.phase = "attack"
-        elif memory.speed < -PHASE_BEGIN_MM_S:
+        elif speed < -PHASE_BEGIN_MM_S:
             memory.phase = "release"
-        elif abs(memory.speed) < PHASE_END_MM_S:
+        elif abs(speed) < PHASE_END_MM_S:
             memory.phase = "hold"
 
     def _decide(self, kind: GestureKind, mm: float, t_us: int) -> bool:
@@ -256,11 +259,13 @@ class InputConditioner:
         points = gesture.contacts_mm.tolist()
         if not points:
             return None
-        x = y = 0.0
-        for point in points:
-            x, y = x + point[0], y + point[1]
-        x, y = x / len(points), y / len(points)
-        return self._orient((x, y)) if math.isfinite(x) and math.isfinite(y) else None
+        x, y, n = 0.0, 0.0, len(points)
+        for x_mm, y_mm in points:
+            x += x_mm
+            y += y_mm
+        if not math.isfinite(x + y):
+            return None
+        return self._orient((x / n, y / n))
 
 
 def _find_way(x: float, y: float) -> Vector | None:

@@ -1,5 +1,6 @@
 """The layers of a profile at work: one of them is active at a time."""
 
+from collections.abc import Iterable
 from typing import Final
 
 from neurotouch_hid.messages import GestureKind
@@ -47,6 +48,12 @@ class LayerStack:
         """The name of the active layer."""
         return self._names[self._current]
 
+    @property
+    def is_calm(self) -> bool:
+        """True if nothing is down, and the next gesture may act but none is there."""
+        layer = self._layers[self._current]
+        return self.armed and self._holder is None and not layer.busy and not layer.cares
+
     def release(self) -> None:
         """Releases everything, back to the first layer."""
         self._enter(0)
@@ -63,9 +70,7 @@ class LayerStack:
         outputs = Outputs()
         pressed, finished = [], False
         wanted, silent = layer.find_wanted(reading), layer.find_silent(reading)
-        for runner in layer.runners:
-            if not runner.busy and runner not in wanted:
-                continue
+        for runner in layer.find_concerned(wanted):
             before = runner.down
             if runner in silent:
                 runner.withdraw(reading.t_us)
@@ -76,6 +81,8 @@ class LayerStack:
                         pressed.append(runner)
                     elif runner.binding.mode not in ("sticky", "oneshot"):
                         finished = True
+            if runner.busy:
+                layer.busy.add(runner)
             if runner.down and runner.put is not None:
                 runner.put(outputs, reading)
         layer.missed.update(reading, wanted)
@@ -97,7 +104,9 @@ class LayerStack:
         """Reads only the bindings that pause or panic, while paused."""
         if not self.armed:
             return
-        for runner in self._layers[self._current].stopping:
+        layer = self._layers[self._current]
+        layer.busy.update(layer.stopping)
+        for runner in layer.stopping:
             before = runner.down
             runner.update(reading)
             if runner.down and not before and isinstance(runner.binding.do, CommandTarget):
@@ -133,10 +142,19 @@ class LayerStack:
 
 
 class _Layer:
-    """The runners of one layer, and the care for its pointer."""
+    """The runners of one layer, and the care for its pointer.
+
+    Attributes:
+        runners: one for each binding, in the order of the profile.
+        busy: those that were busy after the last step, and perhaps others.
+        stopping: those that pause or panic.
+        cares: one for each binding that moves the pointer.
+        missed: watches for gestures that end just below a threshold.
+    """
 
     def __init__(self, bindings: tuple[Binding, ...], times: Times, log: DecisionLog) -> None:
         self.runners = [make_runner(binding, times, bindings, log) for binding in bindings]
+        self.busy: set[BindingRunner] = set()
         self.stopping = [
             runner
             for runner in self.runners
@@ -168,6 +186,16 @@ class _Layer:
             wanted = tuple(runner for runner in self.runners if runner.may_act(reading))
             self._wanted[key] = wanted
         return wanted
+
+    def find_concerned(self, wanted: tuple[BindingRunner, ...]) -> Iterable[BindingRunner]:
+        """Returns the runners that must be asked, in the order of the profile.
+
+        Beside those that a gesture may set off, these are the busy ones.
+        """
+        busy, self.busy = self.busy, set()
+        if busy.issubset(wanted):
+            return wanted
+        return [each for each in self.runners if each.busy or each in wanted]
 
     def find_silent(self, reading: ConditionedGesture) -> frozenset[BindingRunner]:
         """Returns the runners that must not hear this gesture, because it is a chord's.

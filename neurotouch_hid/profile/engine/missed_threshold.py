@@ -50,8 +50,11 @@ class MissedThreshold:
             self._begin(reading.kind, acted=self._acted)
         if self._acted:
             return
-        self._acted = any(each.down and each.on_mm > 0 for each in wanted)
-        if self._acted or reading.mm <= self._peak_mm:
+        for each in wanted:
+            if each.down and each.on_mm > 0.0:
+                self._acted = True
+                return
+        if reading.mm <= self._peak_mm:
             return
         self._peak_mm, self._on_mm = reading.mm, 0.0
         for each in wanted:

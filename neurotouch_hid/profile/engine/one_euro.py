@@ -19,6 +19,9 @@ tremor of 1 mm at 5 Hz they leave 72, 28 and 14 % of it and delay a press of 300
 
 MIN_STEP_US: Final = 1_000
 MAX_STEP_US: Final = 50_000
+_TURN: Final = 2.0 * math.pi
+"""A low-pass of first order that turns by this angle in a step takes angle / (angle + 1) of a new
+value."""
 
 
 class OneEuro:
@@ -59,19 +62,14 @@ class OneEuro:
             return value
         if step_us != self._step_us:
             self._set_step(step_us)
-        step_s, change = self._step_s, value - self._value
-        self._speed += self._speed_share * (change / step_s - self._speed)
-        cutoff_hz = self._min_cutoff_hz + self._beta * abs(self._speed)
-        self._value += _share(cutoff_hz, step_s) * change
-        return self._value
+        step_s, change, speed = self._step_s, value - self._value, self._speed
+        self._speed = speed = speed + self._speed_share * (change / step_s - speed)
+        turn = _TURN * (self._min_cutoff_hz + self._beta * abs(speed)) * step_s
+        self._value = value = self._value + turn / (turn + 1.0) * change
+        return value
 
     def _set_step(self, step_us: int) -> None:
         self._step_us = step_us
         self._step_s = min(max(step_us, MIN_STEP_US), MAX_STEP_US) * 1e-6
-        self._speed_share = _share(self._derivative_cutoff_hz, self._step_s)
-
-
-def _share(cutoff_hz: float, step_s: float) -> float:
-    """Returns the share of a new value that a low-pass of first order takes."""
-    turn = 2.0 * math.pi * cutoff_hz * step_s
-    return turn / (turn + 1.0)
+        turn = _TURN * self._derivative_cutoff_hz * self._step_s
+        self._speed_share = turn / (turn + 1.0)

@@ -64,7 +64,13 @@ FIT: Final = np.dtype(
 SLICE: Final = np.dtype(
     [("noise_mm", "f8"), ("step_us", "i8"), ("forming", "?"), ("falling", "?")], align=True
 )
-"""The arguments of ``FingerTracker.update`` for one slice, beside the displacements."""
+"""The arguments of ``follow`` for one slice, beside the displacements.
+
+- ``noise_mm``: error of a marker on one axis.
+- ``step_us``: time since the previous slice.
+- ``forming``: the gesture may still become another one; also search for fingers from nothing.
+- ``falling``: the fingers leave the gel; then no finger is added.
+"""
 
 MOTION: Final = np.dtype(
     [
@@ -82,7 +88,20 @@ MOTION: Final = np.dtype(
     ],
     align=True,
 )
-"""``FingerMotion`` as a record for kernels."""
+"""The common motion of the fingers.
+
+- ``n_fingers``: the number of fingers that take part. If it is 0, only ``sway_mm`` has a meaning;
+  all else is 0, and ``scale`` is 1.
+- ``largest_mm``: the largest motion of a finger.
+- ``peak_mm``: how far dots under a finger go at most, see ``measure_peak``.
+- ``sway_mm``: how far the whole gel is from its recent mean.
+- ``error_mm``: rms of the displacement that the fingers do not explain, one axis.
+- ``is_lost``: the fingers explain too little of the field, and no search found better ones.
+- ``x_mm``, ``y_mm``: translation of the fingers' mean position.
+- ``rotation_rad``: rotation about the mean position, clockwise for the user positive.
+- ``scale``: scaling about the mean position, 1 at rest.
+- ``parts_mm``: the motion since the fingers landed that speaks for each GestureKind; NONE has 0.
+"""
 
 STATE: Final = np.dtype(
     [

@@ -6,10 +6,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.gesture.elastic.kernels.length import find_length
 from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.vocabulary import GestureKind
 
-Record = Any  # of a dtype below, of ``KindDeciderConfig`` or ``FingerMotion``
+Record = Any  # of a dtype below, of ``KindDeciderConfig`` or ``MOTION``
 
 SPEED_US: Final = 30_000  # time constant of the speed with which a gesture grows
 LEAST_MM: Final = 0.3  # another kind overrules one with less evidence than this as if it had this
@@ -84,45 +85,20 @@ def _forget(d: Record) -> None:
 
 @kernel
 def decide(
-    decision: NDArray[np.void],
-    rules: NDArray[np.void],
-    motion: NDArray[np.void],
-    step_us: int,
-    noise_mm: float,
-    error_mm: float,
-    rest_age_us: int,
-) -> tuple[int, float, bool, bool]:
+    d: Record, c: Record, m: Record, step_us: int, noise_mm: float, rest_age_us: int
+) -> None:
     """Takes one slice.
 
     Args:
-        decision: (1,) ``DECISION``, updated.
-        rules: (1,) ``KindDeciderConfig``.
-        motion: (1,) ``FingerMotion`` of this slice.
+        d: ``DECISION``, updated.
+        c: ``KindDeciderConfig``.
+        m: ``MOTION`` of this slice.
         step_us: time since the previous slice.
         noise_mm: error of a marker on one axis.
-        error_mm: error of the size.
         rest_age_us: how long ago the gel was seen at rest.
-
-    Returns:
-        The kind, its confidence, and whether the gesture is forming and falling, see
-        ``KindDecider``.
     """
-    d, c, m = decision[0], rules[0], motion[0]
-    _update(d, c, m, step_us, noise_mm, error_mm, rest_age_us)
-    return d.kind, d.confidence, d.kind == 0 or not d.is_latched, _is_falling(d, c)
-
-
-@kernel
-def _update(
-    d: Record,
-    c: Record,
-    m: Record,
-    step_us: int,
-    noise_mm: float,
-    error_mm: float,
-    rest_age_us: int,
-) -> None:
     size_mm = m.peak_mm
+    error_mm = find_length(c.unsure_mm, noise_mm / 3.0, 0.02 * size_mm)
     d.sway_mm = max(m.sway_mm, math.exp(-step_us / c.sway_us) * d.sway_mm)
     d.swing_mm *= math.exp(-step_us / c.swing_us)
     _time_stay(d, c, m, step_us)
@@ -160,13 +136,20 @@ def _update(
         d.is_latched, d.led_us = False, 0
     d.n_fingers = m.n_fingers
     _follow(d, c, step_us, size_mm)
-    if d.kind == 0 or d.is_latched or not _is_falling(d, c):
+    if d.kind == 0 or d.is_latched or not is_falling(d, c):
         _weigh(d, c, m, step_us, error_mm)  # what leaves tells no type: the gel swings back
     d.confidence = _believe(d, c, size_mm) * _prefer(d, error_mm)
 
 
 @kernel(inline="always")
-def _is_falling(d: Record, c: Record) -> bool:
+def is_forming(d: Record) -> bool:
+    """Returns True while the gesture may still become another kind."""
+    return bool(d.kind == 0 or not d.is_latched)
+
+
+@kernel(inline="always")
+def is_falling(d: Record, c: Record) -> bool:
+    """Returns True while the fingers leave the gel."""
     return bool(d.speed_mm_s < -c.moving_mm_s)
 
 
@@ -262,7 +245,7 @@ def _follow(d: Record, c: Record, step_us: int, size_mm: float) -> None:
     share = 1.0 - math.exp(-step_us / SPEED_US)
     d.speed_mm_s += share * (rate - d.speed_mm_s)
     d.size_mm = size_mm
-    if _is_falling(d, c):
+    if is_falling(d, c):
         d.is_ending = True
     elif d.speed_mm_s > c.moving_mm_s or size_mm > 0.5 * d.most_mm:
         d.is_ending = False
