@@ -6,7 +6,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.gesture.elastic.kernels.length import find_length
 from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.vocabulary import GestureKind
 
@@ -98,7 +97,7 @@ def decide(
         rest_age_us: how long ago the gel was seen at rest.
     """
     size_mm = m.peak_mm
-    error_mm = find_length(c.unsure_mm, noise_mm / 3.0, 0.02 * size_mm)
+    error_mm = math.sqrt(c.unsure_mm**2 + (noise_mm / 3.0) ** 2 + (0.02 * size_mm) ** 2)
     d.sway_mm = max(m.sway_mm, math.exp(-step_us / c.sway_us) * d.sway_mm)
     d.swing_mm *= math.exp(-step_us / c.swing_us)
     _time_stay(d, c, m, step_us)
