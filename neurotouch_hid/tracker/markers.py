@@ -35,7 +35,7 @@ _MEAN_ANCHORS = 16  # the rest position begins as the mean of so many frames
 _NOISE_SIZES = 2.5  # medians of its size; random errors in a plane exceed it one time in 75
 _LONGEST_US = 200_000  # longest time that one rest position counts for
 _EVENTLESS_US = 1_000_000  # after this time without an event, frames alone show where markers go
-_FLICKER_LAG = 0.6  # of the lead, by which the events that remain of flicker come later
+_FLICKER_LAG = 0.45  # of the lead: the events that remain come this much later than in steady light
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
 

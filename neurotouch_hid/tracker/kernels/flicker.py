@@ -118,6 +118,7 @@ def remove_flicker(
         if s.is_on != e.p:
             if least > 0.0 and np.uint32(now - s.last) > SILENT:  # light does not move it now
                 s.place = max(s.width, np.float32(least)) if e.p else np.float32(0.0)
+                s.moved = np.float32(0.0)
             s.is_on = e.p
             s.n_runs += 1
             if s.n_runs >= N_RUNS:
