@@ -23,13 +23,13 @@ WHOLE = 0.999  # an event, but for rounding
 PIXEL: Final = np.dtype(
     [
         ("since", "u4"),
-        ("last", "u4"),
         ("n_off", "u2"),
         ("n_on", "u2"),
         ("n_runs", "u1"),
         ("is_on", "?"),
         ("rises", "?"),
         ("n_left", "i2"),
+        ("last", "u2"),
         ("sum_off", "f4"),
         ("sum_on", "f4"),
         ("step", "f4"),
@@ -42,12 +42,12 @@ PIXEL: Final = np.dtype(
 """The flicker of one pixel.
 
 - ``since``: when the counts began, in ticks of the pixel's clock.
-- ``last``: when the last event came, in the same ticks.
 - ``n_off``, ``n_on``: events since then of each polarity.
 - ``n_runs``: how often the polarity has changed since then.
 - ``is_on``: polarity of the last event.
 - ``rises``: the range has last moved up.
 - ``n_left``: by how many events the range has moved since ``since``.
+- ``last``: when the last event came, in the same ticks, modulo 4.2 s.
 - ``sum_off``, ``sum_on``: older events of each polarity. In the long run a pixel brightens as much
   as it darkens, so their ratio is that of its thresholds.
 - ``step``: how far an OFF event goes, in ON events.
@@ -114,9 +114,9 @@ def remove_flicker(
     for k in range(len(events)):
         e = events[np.uint64(k)]
         s = pixels[np.uint64(e.y) * np.uint64(SENSOR_WIDTH_PX) + np.uint64(e.x)]
-        now = np.uint32((e.t >> CLOCK_SHIFT) & 0xFFFFFFFF)
+        now = np.uint16((e.t >> CLOCK_SHIFT) & 0xFFFF)
         if s.is_on != e.p:
-            if least > 0.0 and np.uint32(now - s.last) > SILENT:  # light does not move it now
+            if least > 0.0 and np.uint16(now - s.last) > SILENT:  # light does not move it now
                 s.place = max(s.width, np.float32(least)) if e.p else np.float32(0.0)
                 s.moved = np.float32(0.0)
             s.is_on = e.p
