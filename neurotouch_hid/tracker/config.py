@@ -105,7 +105,7 @@ def make_tracks(neighbours: NDArray[np.intp], config: TrackerConfig) -> track_ke
         past_px=np.zeros((_PAST, n, 2)),
         past_us=np.full(_PAST, -1, np.int64),
         common=np.array(
-            [(0, 0, 0, _NEVER_US, _NEVER_US, 0, 0, 0.0, 0.0, False, False, 0.0, 0.0)],
+            [(0, 0, 0, _NEVER_US, _NEVER_US, 0, 0, 0.0, 0.0, False, False, 0.0, 0.0, 0.0)],
             track_kernels.COMMON,
         ),
     )

@@ -23,6 +23,8 @@ CHANCE = 5.0  # standard deviations of a sum of random directions
 SINE_SHARE = np.pi / 4.0  # that the sum keeps if the light is a sine
 HARMONIC = 0.3  # a lower frequency that has this part of the strongest one is the true one
 PAUSE_US = 750_000  # from one look at steady light to the next; looking costs time
+LEAST_WIDTH = 1.0  # events, of any pixel, if most events are the light's
+PREVAILING = 0.5  # share of the events
 FORGET_US = 1_000_000  # light that has been steady for this time does not flicker
 
 
@@ -39,6 +41,11 @@ class Flicker:
     hz: float
     share: float
     events_hz: float
+
+    @property
+    def prevails(self) -> bool:
+        """True if most events are the light's, so that a new rhythm of a pixel is probably, too."""
+        return self.share > PREVAILING
 
 
 class FlickerFilter:
@@ -81,7 +88,8 @@ class FlickerFilter:
             return events
         if len(self._out) < len(events):
             self._out = np.empty(2 * len(events), EVENT_DTYPE)
-        n = kernels.remove_flicker(events, self._pixels, self._out)
+        least = 0.0 if self.flicker is None or not self.flicker.prevails else LEAST_WIDTH
+        n = kernels.remove_flicker(events, self._pixels, least, self._out)
         return events if self.flicker is None else self._out[:n]
 
     def _restart(self, t_us: int) -> None:

@@ -29,6 +29,7 @@ _TOUCH_US = 300e6  # ... but a soft touch may last long
 _EDGE = 3.0  # standard deviations from its centre to the edge of a blurred dot
 _LONGEST_US = 200_000  # longest time that one rest position counts for
 _EVENTLESS_US = 1_000_000  # after this time without an event, frames alone show where markers go
+_FLICKER_LAG = 0.45  # of the lead: the events that remain come this much later than in steady light
 _MAX_HOLE_US = 100_000  # after a longer gap, positions do not identify the markers
 _SHOWN_DRIFT_PX = 0.1  # later stages do not see smaller changes of the rest position
 
@@ -92,7 +93,7 @@ class MarkerTracker:
         self._anchor_us = 0
         self._end_us: int | None = None
         self._n_events = self._n_anchors = self._n_gaps = 0
-        self.has_events, self.follows_frames = False, False
+        self.has_events, self.follows_frames, self._flicker_prevails = False, False, False
         self._event_us = 0  # the end of the last slice with events
         self._last_pixels: NDArray[np.uint8] | None = None
         self._n_mean = 0  # frames in the mean that the rest position is
@@ -160,6 +161,10 @@ class MarkerTracker:
             events = np.array(events, EVENT_DTYPE)
         events = self._hot.update(events, begin_us, end_us)
         events = self._flicker.update(events, begin_us, end_us)
+        prevails = self.flicker is not None and self.flicker.prevails
+        if prevails is not self._flicker_prevails:
+            self._flicker_prevails = prevails
+            self._tracks.common["event_lag"] = _FLICKER_LAG if prevails else 0.0
         if not self._anchored:
             return self._unknown(end_us)
         if packet.gap or self._end_us != begin_us:

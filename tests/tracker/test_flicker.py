@@ -10,7 +10,7 @@ from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.nuisances import light
 from neurotouch_hid.source.simulator.script import Finger, sequence
 from neurotouch_hid.tracker import MarkerTracker
-from neurotouch_hid.tracker.flicker import FlickerFilter, make_pixels
+from neurotouch_hid.tracker.flicker import LEAST_WIDTH, FlickerFilter, make_pixels
 from neurotouch_hid.tracker.kernels import flicker as kernels
 from tests.tracker.test_markers import errors, follow, stroke
 
@@ -107,11 +107,11 @@ def test_a_pixel_that_flickers_still_shows_a_change(up, down):
     cycle = [True] * up + [False] * down
     steady = burst((17, 40), cycle * 240, 5_000, 10_000 // len(cycle))
     out = np.empty(len(steady), EVENT_DTYPE)
-    kernels.remove_flicker(steady[: len(steady) // 2], pixels, out)
-    n_left = kernels.remove_flicker(steady[len(steady) // 2 :], pixels, out)
+    kernels.remove_flicker(steady[: len(steady) // 2], pixels, 0.0, out)
+    n_left = kernels.remove_flicker(steady[len(steady) // 2 :], pixels, 0.0, out)
     assert n_left <= 2 + 0.01 * len(steady)
     brighter = burst((17, 40), [True] * (up + 8), steady["t"][-1] + 100, 500)
-    n_left = kernels.remove_flicker(brighter, pixels, out)
+    n_left = kernels.remove_flicker(brighter, pixels, 0.0, out)
     assert 6 <= n_left <= 9
     assert out["p"][:n_left].all()
 
@@ -126,7 +126,7 @@ def test_a_pixel_brightens_and_darkens_alike_and_then_rests(more):
             events = burst((17, 40), cycles, t_us, 2_000)
             t_us += 2_000 * len(events)
             out = np.empty(len(events), EVENT_DTYPE)
-            n_left = kernels.remove_flicker(events, pixels, out)
+            n_left = kernels.remove_flicker(events, pixels, 0.0, out)
             polarity = out["p"][:n_left].astype(int)
             left[way].append(int((2 * polarity - 1).sum()) * (1 if way else -1))
     for way in (True, False):
@@ -136,12 +136,20 @@ def test_a_pixel_brightens_and_darkens_alike_and_then_rests(more):
     assert abs(left[True][1] - left[False][1]) <= 2
 
 
-def test_a_pixel_without_flicker_keeps_its_events():
+@pytest.mark.parametrize("least", [0.0, LEAST_WIDTH])
+def test_a_pixel_without_flicker_keeps_its_events(least):
     pixels = make_pixels()
-    slow = burst((17, 40), [True, True, False, False] * 50, 5_000, 30_000)
+    slow = burst((17, 40), [True, True, False, False] * 50, 50_000, 30_000)
     out = np.empty(len(slow), EVENT_DTYPE)
-    n_left = kernels.remove_flicker(slow, pixels, out)
+    n_left = kernels.remove_flicker(slow, pixels, least, out)
     np.testing.assert_array_equal(out[:n_left], slow)
+
+
+def test_a_pixel_that_begins_to_flicker_draws_no_track():
+    pixels = make_pixels()
+    began = burst((17, 40), [True, False] * 40, 50_000, 5_000)
+    out = np.empty(len(began), EVENT_DTYPE)
+    assert kernels.remove_flicker(began, pixels, LEAST_WIDTH, out) <= 3
 
 
 def test_events_without_flicker_are_not_copied():

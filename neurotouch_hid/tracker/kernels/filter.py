@@ -58,7 +58,7 @@ def filter_events(
     forget, quiet_s2 = 1.0 / tuning.memory_s, tuning.quiet_s * tuning.quiet_s
     tail = 1.0 / (tuning.spread_px * tuning.spread_px)
     stop = find_event(events, start, until_us)
-    counts_steps = tracks.common[0].counts_steps
+    counts_steps, lag = tracks.common[0].counts_steps, tracks.common[0].event_lag
     while start < stop:
         end = min(start + BLOCK, stop)
         n = assign(events, start, end, tuning.gate_px, tuning.search_all, tracks.targets, pairs)
@@ -81,7 +81,8 @@ def filter_events(
             a = s.var_x + dt * (s.cov_xv + b) + tuning.q_x * dt
             c = s.var_v + tuning.q_v * dt
             px, py = s.x + s.vx * step, s.y + s.vy * step
-            dx, dy = e.x - px - sign * s.lead_x, e.y - py - sign * s.lead_y
+            ahead = sign - lag
+            dx, dy = e.x - px - ahead * s.lead_x, e.y - py - ahead * s.lead_y
             # Heavy-tailed noise: an event far from the marker is more probably noise.
             far = (dx * dx + dy * dy) * tail
             inverse = 1.0 / (a + r_px2[i, np.uint64(e.p)] * (1.0 + far * far))

@@ -13,6 +13,7 @@ SAMPLES = 16  # of the events in a bin; enough to see a rhythm
 N_RUNS = 4  # runs of events of one polarity after which a pixel's flicker is measured again
 CLOCK_SHIFT = 6  # a pixel's clock ticks every 64 µs
 LONGEST = (N_RUNS * 11_000) >> CLOCK_SHIFT  # ticks of so many runs with a lamp of 45 Hz
+SILENT = LONGEST // 2  # ticks; light moves a pixel up and down at least once in this time
 REMEMBERED = 20_000.0  # events by which a pixel's thresholds are compared: they never change
 MOTION = 2  # events that remain of N_RUNS runs: the picture moves, which tells less of thresholds
 MOTION_WEIGHT = 0.125  # of such events
@@ -28,6 +29,7 @@ PIXEL: Final = np.dtype(
         ("is_on", "?"),
         ("rises", "?"),
         ("n_left", "i2"),
+        ("last", "u2"),
         ("sum_off", "f4"),
         ("sum_on", "f4"),
         ("step", "f4"),
@@ -45,6 +47,7 @@ PIXEL: Final = np.dtype(
 - ``is_on``: polarity of the last event.
 - ``rises``: the range has last moved up.
 - ``n_left``: by how many events the range has moved since ``since``.
+- ``last``: when the last event came, in the same ticks, modulo 4.2 s.
 - ``sum_off``, ``sum_on``: older events of each polarity. In the long run a pixel brightens as much
   as it darkens, so their ratio is that of its thresholds.
 - ``step``: how far an OFF event goes, in ON events.
@@ -89,7 +92,7 @@ def measure_imbalance(bins: NDArray[np.float64]) -> float:
 
 @kernel
 def remove_flicker(
-    events: NDArray[np.void], pixels: NDArray[np.void], out: NDArray[np.void]
+    events: NDArray[np.void], pixels: NDArray[np.void], least: float, out: NDArray[np.void]
 ) -> int:
     """Copies the events that are not flicker.
 
@@ -100,6 +103,8 @@ def remove_flicker(
     Args:
         events: (m,) EVENT_DTYPE.
         pixels: (260 * 346,) ``PIXEL``, updated.
+        least: the smallest range of a pixel, in ON events. A motion takes pixels that have not
+            flickered to where they do, and the range is not known until ``N_RUNS`` runs later.
         out: (m or more,) EVENT_DTYPE, written.
 
     Returns:
@@ -109,18 +114,24 @@ def remove_flicker(
     for k in range(len(events)):
         e = events[np.uint64(k)]
         s = pixels[np.uint64(e.y) * np.uint64(SENSOR_WIDTH_PX) + np.uint64(e.x)]
+        now = np.uint16((e.t >> CLOCK_SHIFT) & 0xFFFF)
         if s.is_on != e.p:
+            if least > 0.0 and np.uint16(now - s.last) > SILENT:  # light does not move it now
+                s.place = max(s.width, np.float32(least)) if e.p else np.float32(0.0)
+                s.moved = np.float32(0.0)
             s.is_on = e.p
             s.n_runs += 1
             if s.n_runs >= N_RUNS:
                 _measure(e.t, s)
+        s.last = now
         if e.p:
             s.n_on += 1
             s.place += np.float32(1.0)
         else:
             s.n_off += 1
             s.place -= s.step
-        inside = min(max(s.place, np.float32(0.0)), s.width)
+        width = max(s.width, np.float32(least))
+        inside = min(max(s.place, np.float32(0.0)), width)
         if s.place != inside:
             s.rises = s.place > inside
         s.moved += s.place - inside
@@ -130,7 +141,7 @@ def remove_flicker(
         if moved >= WHOLE:
             s.moved -= np.float32(1.0) if e.p else np.float32(-1.0)
             s.n_left += 1 if e.p else -1
-        n += np.uint64(moved >= WHOLE or s.width == 0.0)
+        n += np.uint64(moved >= WHOLE or width == 0.0)
     return int(n)
 
 

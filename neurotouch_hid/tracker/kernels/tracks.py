@@ -58,6 +58,7 @@ COMMON: Final = np.dtype(
         ("rest_noise_hz", "f8"),
         ("frames_alone", "?"),
         ("counts_steps", "?"),
+        ("event_lag", "f8"),
         ("learnt_px", "f8"),
         ("learnt_steps", "f8"),
     ],
@@ -77,6 +78,7 @@ COMMON: Final = np.dtype(
   gel is taken for noise.
 - ``frames_alone``: no events come; each frame moves the tracks from where the last one left them.
 - ``counts_steps``: the steps of the pixels move slow markers, see ``needs_steps``.
+- ``event_lag``: how far all events are behind their marker, as a share of the lead.
 - ``learnt_px``, ``learnt_steps``: motion of markers without frames, and the steps that it took.
 """
 
@@ -161,8 +163,9 @@ def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.flo
 @kernel(inline="always")
 def _aim_at(x: float, y: float, i: int, tracks: Tracks) -> None:
     s, aim_px = tracks.state[i], tracks.targets.aim_px[i]
-    aim_px[0, 0], aim_px[0, 1] = x - s.lead_x, y - s.lead_y
-    aim_px[1, 0], aim_px[1, 1] = x + s.lead_x, y + s.lead_y
+    on, off = 1.0 - tracks.common[0].event_lag, -1.0 - tracks.common[0].event_lag
+    aim_px[0, 0], aim_px[0, 1] = x + off * s.lead_x, y + off * s.lead_y
+    aim_px[1, 0], aim_px[1, 1] = x + on * s.lead_x, y + on * s.lead_y
 
 
 @kernel
