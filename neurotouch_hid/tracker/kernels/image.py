@@ -44,7 +44,7 @@ class Buffers(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """What is a blob; ``BlobConfig`` explains the first five.
+    """Limits of a blob; ``BlobConfig`` explains the first five.
 
     Attributes:
         most_blobs: of more, most are noise, which also joins some to dots.
