@@ -91,7 +91,7 @@ class BlobFinder:
             centroid_px=np.empty((MAX_BLOBS, 2)),
             begin=np.empty(MAX_BLOBS + 1, np.int32),
             members=np.empty(h * w, np.int32),
-            smooth=np.empty((h, w), np.uint8),
+            smoothed=np.empty((h, w), np.uint8),
         )
         config = config or BlobConfig()
         limits = kernels.Limits(

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.process.kernel_cache import load
 from neurotouch_hid.tracker.kernels import matching
 
 PACE_US = 35_000
@@ -24,6 +25,8 @@ class KeptMotion:
         self._before_us = 0
         self._was_large = False
         self._n_frozen = 0
+        no_px, match = self._before_px, np.empty(0, np.int32)
+        load(matching.measure_largest, no_px, no_px, GATE_PX, FEW, match)
 
     def forget(self) -> None:
         """Starts again: the gel is at rest as it was."""

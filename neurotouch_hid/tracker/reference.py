@@ -21,7 +21,7 @@ _REDRAW_PX = 0.4  # as far from where they were drawn, white pixels hardly count
 
 
 class Comparison(NamedTuple):
-    """How far a frame is from the gel at rest.
+    """Distances of a frame from the gel at rest.
 
     Attributes:
         n_found: number of markers near their places.

@@ -17,11 +17,12 @@ from neurotouch_hid.messages import (
     GelState,
     RestField,
 )
+from neurotouch_hid.process.kernel_cache import load
 from neurotouch_hid.tracker.blobs import BlobFinder, Blobs
 from neurotouch_hid.tracker.event_camera import EventCamera
 from neurotouch_hid.tracker.gel_watch import GelWatch
 from neurotouch_hid.tracker.kept_motion import PACE_US, KeptMotion
-from neurotouch_hid.tracker.kernels import matching
+from neurotouch_hid.tracker.kernels import matching, rigid
 from neurotouch_hid.tracker.lattice import Lattice, LatticeFinder
 from neurotouch_hid.tracker.moved_rig import MovedRig
 from neurotouch_hid.tracker.reference import Reference
@@ -99,7 +100,8 @@ class RestDetector:
         self._finder = finder or BlobFinder(self._config.blobs, gel)
         self._reference: Reference | None = None
         self._camera: EventCamera | None = EventCamera(self._lattice, rig, near_rad)
-        self._match = np.empty(gel.n_markers, np.int32)
+        self._match, no_px = np.empty(gel.n_markers, np.int32), np.empty((0, 2))
+        load(rigid.creep, no_px, no_px, self._match, 0.0, no_px)  # the first frames do without it
         self._paced_us: int | None = None
         self._is_paced = False
         self._rig_watch, self._kept = MovedRig(), KeptMotion()

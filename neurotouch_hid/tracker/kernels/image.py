@@ -31,7 +31,7 @@ class Buffers(NamedTuple):
         centroid_px: (m, 2) float64, weighted by intensity, columns x, y.
         begin: (m + 1,) int32: the pixels of blob i are members[begin[i]:begin[i + 1]].
         members: (h * w,) int32, y * w + x.
-        smooth: (h, w) uint8, the smoothed picture, if there is need of one.
+        smoothed: (h, w) uint8, the smoothed picture, if there is need of one.
     """
 
     threshold: NDArray[np.float64]
@@ -40,11 +40,11 @@ class Buffers(NamedTuple):
     centroid_px: NDArray[np.float64]
     begin: NDArray[np.int32]
     members: NDArray[np.int32]
-    smooth: NDArray[np.uint8]
+    smoothed: NDArray[np.uint8]
 
 
 class Limits(NamedTuple):
-    """What is a blob; ``BlobConfig`` explains the first five.
+    """Limits of a blob; ``BlobConfig`` explains the first five.
 
     Attributes:
         most_blobs: of more, most are noise, which also joins some to dots.
@@ -328,16 +328,16 @@ def search(buffers: Buffers, limits: Limits, pixels: NDArray[np.uint8], is_fine:
     b, c, least = buffers, limits, limits.min_contrast
     n_clear = threshold_blocks(pixels, c.n_sigma, least, b.threshold, b.background)
     if n_clear < c.min_clear:
-        smooth(pixels, GAIN, median(b.background.ravel()), b.smooth)
+        smooth(pixels, GAIN, median(b.background.ravel()), b.smoothed)
         least *= GAIN * NOISE_LEFT
-        threshold_blocks(b.smooth, c.n_sigma, least, b.threshold, b.background)
-        return int(find_blobs(b.smooth, c.min_area_px, c.max_area_px, b))
+        threshold_blocks(b.smoothed, c.n_sigma, least, b.threshold, b.background)
+        return int(find_blobs(b.smoothed, c.min_area_px, c.max_area_px, b))
     n = int(find_blobs(pixels, c.min_area_px, c.max_area_px, b))
     is_noisy = n > c.most_blobs
     if is_noisy:
-        smooth(pixels, 1, MIDDLE_DN, b.smooth)
-        threshold_blocks(b.smooth, c.n_sigma, least, b.threshold, b.background)
-        n = int(find_blobs(b.smooth, c.min_area_px, c.max_area_px, b))
+        smooth(pixels, 1, MIDDLE_DN, b.smoothed)
+        threshold_blocks(b.smoothed, c.n_sigma, least, b.threshold, b.background)
+        n = int(find_blobs(b.smoothed, c.min_area_px, c.max_area_px, b))
     if is_noisy or is_fine:
         centre_blobs(pixels, c.window_px, b.background, b.centroid_px[:n])
     return n
