@@ -283,6 +283,19 @@ def test_contacts_are_in_gel_and_image_coordinates():
     assert contacts.intensity_mm == pytest.approx(4.0, abs=0.3)
 
 
+def test_both_fingers_of_a_twist_are_shown_as_far_as_their_dots_go_at_most():
+    """On the outer side of a finger its drag and turn add up, and there people see it."""
+    responses = np.empty((2 * len(PAPER_GEL.points_mm), 6))
+    fill_responses(PAPER_GEL.points_mm, PLACES, 6.5, PAPER_GEL.rim_mm, responses)
+    fingers, counts = FingerTracker(), []
+    fingers.place(REST_PX, RIG)
+    for turn in (0.3, 0.2, 0.1, 0.03, 0.025, 0.01):
+        moved = (responses @ (0.0, -9.0 * turn, turn, 0.0, 9.0 * turn, turn)).reshape(-1, 2)
+        fingers.update(moved, SEES_ALL, 0.05, forming=False)
+        counts.append(len(fingers.locate_shown(1).mm))
+    assert counts == [2, 2, 2, 2, 2, 1]
+
+
 FLAT = make_gel("flat", place_grid(10, 7, 2.03, 2.03), pitch_mm=2.03, radius_mm=11.5)
 
 
