@@ -8,6 +8,9 @@ from neurotouch_hid.gesture.elastic.fingers import FingerConfig
 from neurotouch_hid.gesture.elastic.kernels.arrays import NOW
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, find_site
 from neurotouch_hid.gesture.elastic.kernels.fit import RIM_WIDTH_MM
+from neurotouch_hid.messages import GestureKind
+from neurotouch_hid.source.simulator.gel import solid
+from neurotouch_hid.source.simulator.script import Finger, Stroke
 from tests.gesture.elastic import field
 from tests.gesture.stages import Fingers
 
@@ -282,6 +285,41 @@ def test_contacts_are_in_gel_and_image_coordinates():
     assert np.abs(whole_mm).max() < 0.01
     assert motion.n_fingers == 2
     assert contacts.intensity_mm == pytest.approx(4.0, abs=0.3)
+
+
+def test_a_third_finger_is_found_though_two_have_taken_a_part_of_its_field():
+    """While these two keep what they do, it explains a fifth of what all three do together."""
+    turned = {"pivot_mm": (4.2, -2.6), "press_mm": 1.0}
+    hand = (
+        Finger((-4.3, -2.9), turn_rad=-0.24, radius_mm=6.0, delay_us=18_618, **turned),
+        Finger((8.7, -9.7), turn_rad=-0.35, radius_mm=6.31, delay_us=2_224, **turned),
+        Finger((8.1, 4.9), turn_rad=-0.21, radius_mm=6.23, delay_us=3_991, **turned),
+    )
+    stroke = Stroke(GestureKind.TWIST_CCW, hand, attack_us=100_000)
+    places_mm = np.array([finger.contact_mm for finger in hand])
+    radii_mm = np.array([finger.radius_mm for finger in hand])
+    fingers = FingerTracker()
+    fingers.place(REST_PX, RIG)
+    for t_us in range(50_000, 400_000, 10_000):
+        now = stroke.move(t_us)
+        given = PAPER_GEL.points_mm, places_mm, radii_mm, now[:, :3], now[:, 3]
+        moved = solid.deform(*given)[:, :2] - PAPER_GEL.points_mm
+        forming = bool(fingers.arrays.fits[NOW]["largest_mm"] < 2.3)
+        motion = fingers.update(moved, SEES_ALL, 0.05, forming=forming)
+    assert motion.n_fingers == 3
+
+
+def test_both_fingers_of_a_twist_are_shown_as_far_as_their_dots_go_at_most():
+    """On the outer side of a finger its drag and turn add up, and there people see it."""
+    responses = np.empty((2 * len(PAPER_GEL.points_mm), 6))
+    fill_responses(PAPER_GEL.points_mm, PLACES, 6.5, PAPER_GEL.rim_mm, responses)
+    fingers, counts = Fingers(), []
+    fingers.place(REST_PX, RIG)
+    for turn in (0.3, 0.2, 0.1, 0.03, 0.025, 0.01):
+        moved = (responses @ (0.0, -9.0 * turn, turn, 0.0, 9.0 * turn, turn)).reshape(-1, 2)
+        fingers.update(moved, SEES_ALL, 0.05, forming=False)
+        counts.append(len(fingers.locate_shown(1).mm))
+    assert counts == [2, 2, 2, 2, 2, 1]
 
 
 FLAT = make_gel("flat", place_grid(10, 7, 2.03, 2.03), pitch_mm=2.03, radius_mm=11.5)

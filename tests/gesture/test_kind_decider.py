@@ -99,19 +99,34 @@ def test_a_gesture_that_goes_on_does_not_end_because_its_fingers_are_lost():
 
 
 @pytest.mark.parametrize(
-    ("left_mm", "rest_age_us", "kind"),
+    ("left_mm", "rest_age_us", "error_mm", "kind"),
     [
-        (0.45, NEVER_US, GestureKind.PUSH),
-        (0.45, 20_000, GestureKind.NONE),
-        (0.45, 300_000, GestureKind.PUSH),  # it shows the gel before the push
-        (3.0, 20_000, GestureKind.PUSH),  # the fingers are back
+        (0.45, NEVER_US, 0.04, GestureKind.PUSH),
+        (0.45, 20_000, 0.04, GestureKind.NONE),
+        (0.45, 20_000, 0.01, GestureKind.PUSH),  # the markers tell better how much is left
+        (0.6, 20_000, 0.01, GestureKind.NONE),  # this gel keeps a part of each gesture
+        (0.45, 300_000, 0.04, GestureKind.PUSH),  # it shows the gel before the push
+        (3.0, 20_000, 0.04, GestureKind.PUSH),  # the fingers are back
     ],
 )
-def test_fingers_that_leave_a_gel_seen_at_rest_end_the_gesture(left_mm, rest_age_us, kind):
+def test_fingers_that_leave_a_gel_seen_at_rest_end_the_gesture(
+    left_mm, rest_age_us, error_mm, kind
+):
     decision = Decider()
     press_and_release(decision, left_mm)
-    push(decision, left_mm, rest_age_us=rest_age_us)
+    push(decision, left_mm, rest_age_us=rest_age_us, error_mm=error_mm)
     assert decision.kind is kind
+
+
+def test_what_no_longer_shrinks_ends_once_the_gel_is_seen_at_rest():
+    decision = Decider()
+    press_and_release(decision, 0.45)
+    kinds = []
+    for _ in range(10):
+        push(decision, 0.45, rest_age_us=20_000, error_mm=0.01)
+        kinds.append(decision.kind)
+    assert kinds[:3] == [GestureKind.PUSH] * 3
+    assert kinds[-1] is GestureKind.NONE
 
 
 def test_a_soft_touch_that_begins_is_not_ended_by_a_frame_at_rest():

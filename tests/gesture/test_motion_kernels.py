@@ -74,9 +74,9 @@ def test_two_fingers_that_land_and_tremble_alike_are_no_push_yet():
 
 def test_a_finger_is_shown_from_one_size_on_and_hidden_below_another():
     shown, chosen, seen = np.zeros(2, np.int64), np.empty(2, np.bool_), []
-    for size_mm in (0.28, 0.31, 0.28, 0.24, 0.28):
-        sizes_mm = np.array([size_mm, 5.0])
-        assert choose_shown(sizes_mm, 0.0, shown, 1, chosen) == chosen.sum()
+    for peak_mm in (0.32, 0.35, 0.32, 0.29, 0.32):
+        peaks_mm = np.array([peak_mm, 5.0])
+        assert choose_shown(peaks_mm, 0.0, shown, 1, chosen) == chosen.sum()
         assert chosen.tolist() == shown.tolist()
         assert shown[1] == 1
         seen.append(int(shown[0]))
@@ -84,10 +84,10 @@ def test_a_finger_is_shown_from_one_size_on_and_hidden_below_another():
 
 
 def test_a_still_finger_is_shown_only_if_a_second_contact_is_required():
-    shown, chosen, sizes_mm = np.zeros(2, np.int64), np.empty(2, np.bool_), np.array([0.9, 5.0])
-    assert choose_shown(sizes_mm, 1.0, shown, 1, chosen) == 1
+    shown, chosen, peaks_mm = np.zeros(2, np.int64), np.empty(2, np.bool_), np.array([0.9, 5.0])
+    assert choose_shown(peaks_mm, 1.0, shown, 1, chosen) == 1
     assert shown.tolist() == [0, 1]
-    assert choose_shown(sizes_mm, 1.0, shown, 2, chosen) == 2
+    assert choose_shown(peaks_mm, 1.0, shown, 2, chosen) == 2
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_a_still_finger_is_shown_only_if_a_second_contact_is_required():
 )
 def test_the_largest_are_shown_if_few_are_large(least, expected):
     shown, chosen = np.zeros(3, np.int64), np.empty(3, np.bool_)
-    sizes_mm = np.array([0.1, 0.2, 0.15])
-    assert choose_shown(sizes_mm, 0.0, shown, least, chosen) == sum(expected)
+    peaks_mm = np.array([0.1, 0.2, 0.15])
+    assert choose_shown(peaks_mm, 0.0, shown, least, chosen) == sum(expected)
     assert chosen.tolist() == expected
     assert not shown.any()

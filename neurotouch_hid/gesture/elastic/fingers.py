@@ -47,6 +47,8 @@ class FingerConfig:
             second finger adds 0.7 where both push side by side, and 1.3 to 10 elsewhere. A value of
             0.3 finds still fingers more often, also those of a resting hand; a push beside that
             hand then passes for a pinch.
+        hint: one more finger is tried where it explains this share of what ``field_gain`` requires,
+            while the others keep what they do. Fitted with them it explains up to five times that.
         keep: the share of the required sum that a finger must go on explaining to be kept.
         model_error: rms difference of the gel and the closed form, as a share of the largest
             motion.
@@ -71,6 +73,7 @@ class FingerConfig:
     most: int = MOST
     noise_gain: float = 40.0
     field_gain: float = 0.45
+    hint: float = 0.25
     keep: float = 0.6
     model_error: float = 0.05
     outlier: float = 8.0

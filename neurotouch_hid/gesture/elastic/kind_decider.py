@@ -49,6 +49,11 @@ class KindDeciderConfig:
             leave. A single slice of a quick motion may not look like any.
         left_noise: the fingers must also leave this much unexplained, in errors of a marker. These
             come from the median, and noise has long tails.
+        clear_noise: a frame at rest ends no gesture below ``clear_mm`` that still shrinks while its
+            fingers leave less than this unexplained, in errors of a marker.
+        clear_mm: see ``clear_noise``. In a frame at rest, three dots may be 0.3 mm away or more. If
+            fingers seem to be there that go farther than this, the gel does not come back.
+        stalled_us: a gesture whose size has not changed for this long no longer shrinks.
         memory_us: time constant of the evidence for each kind.
         latch_mm: the kind can become final only at or above this size.
         latch_us: how long one kind must have led before it becomes final.
@@ -86,6 +91,9 @@ class KindDeciderConfig:
     off_us: int = 10_000
     left_us: int = 20_000
     left_noise: float = 1.5
+    clear_noise: float = 0.3
+    clear_mm: float = 0.5
+    stalled_us: int = 60_000
     memory_us: int = 60_000
     latch_mm: float = 2.0
     latch_us: int = 40_000

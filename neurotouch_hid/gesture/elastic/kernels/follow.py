@@ -141,12 +141,14 @@ def locate_shown(arrays: Any, least: int) -> tuple[Floats, Floats, float]:
     fit, gel = arrays.fits[NOW], arrays.gel[0]
     n = fit.count
     at, size_mm, chosen = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
+    peak_mm = np.empty(n)
     for j in range(n):
         at[j, 0], at[j, 1], size_mm[j] = locate(
             fit.centres[j], fit.radii[j], fit.whole[j], fit.press[j]
         )
+        peak_mm[j] = measure_peak(fit.centres[j], fit.radii[j], fit.whole[j], fit.press[j])
     still_mm = arrays.rules[0].still_share * fit.largest_mm
-    count = choose_shown(size_mm, still_mm, fit.shown[:n], least, chosen)
+    count = choose_shown(peak_mm, still_mm, fit.shown[:n], least, chosen)
     mm, px, place = np.empty((count, 2)), np.empty((count, 2)), np.empty(2)
     total_mm = 0.0
     rig = gel.rig

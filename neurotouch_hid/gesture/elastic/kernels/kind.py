@@ -119,7 +119,7 @@ def decide(
         d.below_us >= c.off_us
         or d.left_us >= c.left_us
         or _is_kept(d, c, m)
-        or _is_seen_over(d, c, m, rest_age_us)
+        or _is_seen_over(d, c, m, noise_mm, rest_age_us)
     )
     if d.kind != 0 and is_over:
         d.swing_mm = max(d.swing_mm, c.swing * d.most_mm)
@@ -210,12 +210,17 @@ def _is_left(d: Record, c: Record, m: Record, noise_mm: float) -> bool:
 
 
 @kernel
-def _is_seen_over(d: Record, c: Record, m: Record, rest_age_us: int) -> bool:
+def _is_seen_over(d: Record, c: Record, m: Record, noise_mm: float, rest_age_us: int) -> bool:
     """Returns True if the fingers leave, and a frame since the begin shows the gel at rest.
 
-    The frame is late, so the fingers may be back: a large gesture goes on.
+    The frame is late, so the fingers may be back: a large gesture goes on. So does a small one that
+    still shrinks while its fingers explain the markers: they tell its size better than such a
+    frame, in which three dots may be elsewhere.
     """
-    return bool(rest_age_us < d.age_us and d.is_ending and m.peak_mm < c.latch_mm)
+    if rest_age_us >= d.age_us or not d.is_ending or m.peak_mm >= c.latch_mm:
+        return False
+    is_clear = m.error_mm < c.clear_noise * noise_mm and m.peak_mm < c.clear_mm
+    return bool(not is_clear or d.stays_us >= c.stalled_us)
 
 
 @kernel

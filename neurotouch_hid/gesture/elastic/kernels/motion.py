@@ -31,8 +31,8 @@ LANDING_US = 60_000  # length of a finger's first motions, whose mean is its lan
 LANDING_MM = 0.5  # no finger lands with a longer drag; more is the beginning of a quick gesture
 LANDING_SHARE = 0.8
 """The share of the landing that is subtracted; the rest counts while there is nothing else."""
-SHOWN_MM = 0.3  # people label a contact from about this motion on
-HIDDEN_SHARE = 5 / 6  # a contact is hidden below this share of it, so that noise does not toggle it
+SHOWN_MM = 0.34  # people label a contact whose dots go about 0.3 mm where they go farthest
+HIDDEN_SHARE = 7 / 8  # a contact is hidden below this share of it, so that noise does not toggle it
 
 _PUSH, _PINCH, _ZOOM = int(GestureKind.PUSH), int(GestureKind.PINCH), int(GestureKind.ZOOM)
 _CW, _CCW = int(GestureKind.TWIST_CW), int(GestureKind.TWIST_CCW)
@@ -176,7 +176,7 @@ def locate(
 
 @kernel
 def choose_shown(
-    size_mm: Floats,
+    peak_mm: Floats,
     still_mm: float,
     shown: NDArray[np.int64],
     least: int,
@@ -185,7 +185,7 @@ def choose_shown(
     """Chooses the fingers that are contacts: those that move enough, or else those that move most.
 
     Args:
-        size_mm: (k,) float64, k >= 1, how far they move the gel under them, see ``locate``.
+        peak_mm: (k,) float64, k >= 1, how far dots under them go at most, see ``measure_peak``.
         still_mm: a finger with a smaller motion takes no part in the gesture.
         shown: (k,) int64, 1 for those that moved enough before, else 0; updated.
         least: the least number of contacts, if there are as many fingers.
@@ -194,16 +194,16 @@ def choose_shown(
     Returns:
         The number of contacts.
     """
-    n, count = len(size_mm), 0
+    n, count = len(peak_mm), 0
     on_mm = max(SHOWN_MM, still_mm)
     for j in range(n):
-        shown[j] = size_mm[j] >= (HIDDEN_SHARE * on_mm if shown[j] else on_mm)
+        shown[j] = peak_mm[j] >= (HIDDEN_SHARE * on_mm if shown[j] else on_mm)
         chosen[j] = shown[j] > 0
         count += shown[j]
     while count < min(least, n):
         most = -1
         for j in range(n):
-            if not chosen[j] and (most < 0 or size_mm[j] > size_mm[most]):
+            if not chosen[j] and (most < 0 or peak_mm[j] > peak_mm[most]):
                 most = j
         chosen[most] = True
         count += 1

@@ -210,10 +210,14 @@ def _extend(arrays: Any) -> None:
     """Adds a finger to those that are followed, if it explains enough of several markers."""
     fits, markers, rules = arrays.fits, arrays.markers[0], arrays.rules[0]
     required = _required(fits[WARM], arrays.state[0], rules)
-    if fits[WARM].count >= rules.most or fits[WARM].cost < rules.sure * 0.4 * required:
+    if fits[WARM].count >= rules.most or fits[WARM].cost < required:
         return  # no finger explains more than is left
-    site, gain = _find(arrays, WARM, 0.4 * required)
-    if gain < 0.4 * required:
+    # While the others keep what they do, a finger explains less than once all are fitted again:
+    # they have taken a part of its field.
+    field_mm2 = rules.field_gain * fits[WARM].largest_mm ** 2
+    least = 0.4 * (required - field_mm2) + rules.hint * field_mm2
+    site, gain = _find(arrays, WARM, least)
+    if gain < least:
         return
     fits[TRIED] = fits[WARM]
     _add(arrays, TRIED, site)
