@@ -298,7 +298,7 @@ def test_a_third_finger_is_found_though_two_have_taken_a_part_of_its_field():
     stroke = Stroke(GestureKind.TWIST_CCW, hand, attack_us=100_000)
     places_mm = np.array([finger.contact_mm for finger in hand])
     radii_mm = np.array([finger.radius_mm for finger in hand])
-    fingers = FingerTracker()
+    fingers = Fingers()
     fingers.place(REST_PX, RIG)
     for t_us in range(50_000, 400_000, 10_000):
         now = stroke.move(t_us)
