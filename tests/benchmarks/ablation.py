@@ -45,20 +45,20 @@ VARIANTS = {
         ("elastic/kernels/motion.py", "COMMON_GAIN = 1.6", "COMMON_GAIN = 1.0"),
     ),
     "type of each slice alone": (
-        ("elastic/kind_decider.py", "memory_us: int = 60_000", "memory_us: int = 1"),
-        ("elastic/kind_decider.py", "latch_mm: float = 2.0", "latch_mm: float = 1e9"),
+        ("elastic/kind_rules.py", "memory_us: int = 60_000", "memory_us: int = 1"),
+        ("elastic/kind_rules.py", "latch_mm: float = 2.0", "latch_mm: float = 1e9"),
     ),
     "types from all of the motion": (
         ("elastic/kernels/motion.py", "LANDING_SHARE = 0.8", "LANDING_SHARE = 0.0"),
     ),
     "all gestures end at one size": (
-        ("elastic/kind_decider.py", "least_off_mm: float = 0.18", "least_off_mm: float = 0.28"),
+        ("elastic/kind_rules.py", "least_off_mm: float = 0.18", "least_off_mm: float = 0.28"),
     ),
     "fingers join those that let go": (
         ("elastic/kernels/search.py", "if not falling:", "if True:"),
     ),
     "gel that was let go is still": (
-        ("elastic/kind_decider.py", "swing: float = 0.1", "swing: float = 0.0"),
+        ("elastic/kind_rules.py", "swing: float = 0.1", "swing: float = 0.0"),
     ),
     "one finger at most": (("elastic/fingers.py", "most: int = MOST", "most: int = 1"),),
     "method: paper": (("config.py", 'method: str = "neurotouch"', 'method: str = "paper"'),),

@@ -19,7 +19,7 @@ import numpy as np
 from neurotouch_hid.evaluation.accuracy.label_track import LabelTrack
 from neurotouch_hid.gesture.elastic.fingers import FingerConfig
 from neurotouch_hid.gesture.elastic.kernels.motion import measure_motion, subtract_landing
-from neurotouch_hid.gesture.elastic.kind_decider import KindDeciderConfig
+from neurotouch_hid.gesture.elastic.kind_rules import KindRules
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator.dataset import plan_dataset, simulate_recipe
 
@@ -38,7 +38,7 @@ class Caller:
         self._landed = np.zeros((len(stroke.fingers), 3))
         self._landed_us = np.zeros(len(stroke.fingers), np.int64)
         self._evidence = np.zeros(len(GestureKind))
-        self._keep = math.exp(-SLICE_US / KindDeciderConfig().memory_us)
+        self._keep = math.exp(-SLICE_US / KindRules().memory_us)
 
     def call(self, t_us):
         motions = self._stroke.move(t_us)[:, :3]

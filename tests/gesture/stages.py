@@ -10,7 +10,7 @@ from neurotouch_hid.gesture.elastic.kernels.follow import follow
 from neurotouch_hid.gesture.elastic.kernels.kind import DECISION, decide, forget, is_falling
 from neurotouch_hid.gesture.elastic.kernels.kind import is_forming as is_still_forming
 from neurotouch_hid.gesture.elastic.kernels.search import CHECK_US
-from neurotouch_hid.gesture.elastic.kind_decider import KindDeciderConfig, make_rules
+from neurotouch_hid.gesture.elastic.kind_rules import KindRules
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.process.kernel_cache import kernel
 
@@ -41,7 +41,7 @@ class Decider:
 
     def __init__(self):
         self.motion, self.decision = np.zeros(1, MOTION), np.zeros(1, DECISION)
-        self._rules = make_rules(KindDeciderConfig())
+        self._rules = KindRules().as_record()
         self.is_forming, self.is_falling = True, False
         forget(self.decision)
 

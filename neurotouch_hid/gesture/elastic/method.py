@@ -10,14 +10,14 @@ from neurotouch_hid.gesture.config import GestureConfig
 from neurotouch_hid.gesture.elastic.fingers import FingerConfig, FingerTracker
 from neurotouch_hid.gesture.elastic.kernels.kind import DECISION, forget
 from neurotouch_hid.gesture.elastic.kernels.recognize import recognize
-from neurotouch_hid.gesture.elastic.kind_decider import KindDeciderConfig, make_rules
+from neurotouch_hid.gesture.elastic.kind_rules import KindRules
 from neurotouch_hid.messages import Gesture, GestureKind, no_gesture
 from neurotouch_hid.process.kernel_cache import bind
 
 Floats = NDArray[np.float64]
 
 NOISE_US = 500_000  # time constant of the noise of the markers, which is measured at rest
-RESTING_KIND = KindDeciderConfig(on_mm=0.8, off_mm=0.5, least_off_mm=0.5)
+RESTING_KIND = KindRules(on_mm=0.8, off_mm=0.5, least_off_mm=0.5)
 """Higher thresholds, because a resting hand trembles by up to half a mm."""
 PAIR_MM = 0.8
 """In a smaller pinch, zoom or twist only fingers whose dots have moved are contacts: a hand lands
@@ -33,9 +33,9 @@ class ElasticMethod:
     def __init__(self, config: GestureConfig, gel: Gel) -> None:
         is_resting = config.neutral == "resting"
         self._fingers = FingerTracker(RESTING_FINGERS if is_resting else FingerConfig(), gel)
-        rules = RESTING_KIND if is_resting else KindDeciderConfig()
+        rules = RESTING_KIND if is_resting else KindRules()
         self._decision = np.zeros(1, DECISION)
-        self._recognize = bind(recognize, self._fingers.arrays, self._decision, make_rules(rules))
+        self._recognize = bind(recognize, self._fingers.arrays, self._decision, rules.as_record())
         self._rest_px: NDArray[np.float32] | None = None
         self._noise_mm = 0.08
         self._unmeasured_us = 0

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.vocabulary import GestureKind
 
-Record = Any  # of a dtype below, of ``KindDeciderConfig`` or ``MOTION``
+Record = Any  # of a dtype below, of ``KindRules`` or ``MOTION``
 
 SPEED_US: Final = 30_000  # time constant of the speed with which a gesture grows
 LEAST_MM: Final = 0.3  # another kind overrules one with less evidence than this as if it had this
@@ -90,7 +90,7 @@ def decide(
 
     Args:
         d: ``DECISION``, updated.
-        c: ``KindDeciderConfig``.
+        c: ``KindRules``.
         m: ``MOTION`` of this slice.
         step_us: time since the previous slice.
         noise_mm: error of a marker on one axis.

@@ -26,7 +26,7 @@ def recognize(
     Args:
         arrays: see ``FingerArrays``; updated.
         decision: (1,) ``DECISION``, updated.
-        rules: (1,) ``KindDeciderConfig``.
+        rules: (1,) ``KindRules``.
         moved_px: (n, 2) float64 px, displacement of each marker.
         use: (n,) bool, True for measured markers.
         step_us: time since the previous slice.

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, slots=True)
-class KindDeciderConfig:
+class KindRules:
     """Thresholds and times of ``decide``.
 
     The size of a gesture is how far dots under a finger go at most, mm.
@@ -105,12 +105,11 @@ class KindDeciderConfig:
     linger_mm: float = 0.1
     unsure_mm: float = 0.05
 
+    def as_record(self) -> NDArray[np.void]:
+        """Returns them as the record (1,) that kernels read."""
+        return np.array([astuple(self)], _RECORD)
 
-_RULES: Final = np.dtype(
-    [(f.name, "i8" if f.name.endswith("_us") else "f8") for f in fields(KindDeciderConfig)]
+
+_RECORD: Final = np.dtype(
+    [(f.name, "i8" if f.name.endswith("_us") else "f8") for f in fields(KindRules)]
 )
-
-
-def make_rules(config: KindDeciderConfig) -> NDArray[np.void]:
-    """Returns them as the record (1,) that kernels read."""
-    return np.array([astuple(config)], _RULES)
