@@ -14,7 +14,7 @@ from click.testing import CliRunner, Result
 from neurotouch_hid.cli import setup
 from neurotouch_hid.driver import Driver
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.gesture.elastic.kernels.follow import follow
+from neurotouch_hid.gesture.elastic.kernels.recognize import recognize
 from neurotouch_hid.source.davis.kernels.decode import decode
 from neurotouch_hid.source.simulator.kernels.sensor import run_sensor
 
@@ -62,7 +62,7 @@ def test_what_it_runs_is_what_it_said(programs):
 def test_it_compiles_what_a_first_start_would(programs):
     said = run("--yes", path=programs)
     assert said.output.endswith("half a minute) ...\nDone. Check with: neurotouch doctor\n")
-    assert follow.n_variants
+    assert recognize.n_variants
     assert decode.n_variants
     assert run_sensor.n_variants  # of a demo
 
