@@ -12,7 +12,6 @@ from neurotouch_hid.messages import (
     Frame,
 )
 from neurotouch_hid.runtime.pipeline import Pipeline
-from neurotouch_hid.tracker import BlobFinder
 
 _RIG = Rig((SENSOR_WIDTH_PX / 2, SENSOR_HEIGHT_PX / 2), NOMINAL_PX_PER_MM)
 _SLICE_US = 50_000  # so long that the noise of a gel at rest is measured in the second one
@@ -39,7 +38,6 @@ def warm_up(pipeline: Pipeline, gel: Gel = PAPER_GEL) -> None:
     frame = Frame(frame.pixels, _EVENTLESS_US, _EVENTLESS_US + _SLICE_US // 2)  # frames alone
     pipeline.advance(EventPacket(_EVENTLESS_US, _EVENTLESS_US + _SLICE_US, events[:0], (frame,)))
     pipeline.close()
-    BlobFinder().find(np.zeros_like(frame.pixels))  # a dark picture is smoothed
 
 
 def _draw(position_px: NDArray[np.float64]) -> NDArray[np.uint8]:
