@@ -11,7 +11,7 @@ import pytest
 
 from tests.page.conftest import PROFILE
 from tests.page.processes import LIMIT_S, Driver, View
-from tests.page.waiting import wait_on
+from tests.page.waiting import wait_for, wait_on
 
 
 @pytest.fixture
@@ -26,13 +26,6 @@ def alone(tmp_path):
 
 def read(page, id_: str) -> str:
     return page.locator(f"#{id_}").text_content()
-
-
-def wait_for(page, id_: str, words: str) -> None:
-    page.wait_for_function(
-        "([id, words]) => document.getElementById(id).textContent.includes(words)",
-        arg=[id_, words],
-    )
 
 
 def test_from_nothing_to_the_mouse_gel_and_back_without_a_terminal(alone, open_page):

@@ -27,8 +27,12 @@ HOLD: Final = "hold"
 EVERYTHING: Final = "everything"
 _HOLD_SHARE: Final = 0.6
 _ALL_KINDS: Final = frozenset(kind for kind in GestureKind if kind != GestureKind.NONE)
-_NEUTRAL_US: Final = 3_000_000
-"""The last time before the next step counts as rest; earlier readings, of laying the hand down, do
+_READING_US: Final = 10_000
+"""Readings are this far apart, as the spectrum of a tremor needs; gestures come unevenly."""
+_MOST_HELD: Final = 20
+"""Readings that one gesture stands for, until the next: 0.2 s. A longer pause has lost gestures."""
+_NEUTRAL_READINGS: Final = 300
+"""The last 3 s before the next step count as rest; earlier readings, of laying the hand down, do
 not."""
 _SETTLE_READINGS: Final = 30
 """Readings beside a repetition that do not count as rest, before and after it: 0.3 s."""
@@ -66,8 +70,7 @@ class CalibrationSession:
         self._reader = InputConditioner(plain, "none", _ALL_KINDS, latch=True)
         self.movements = movements or tuple(MOVEMENTS)
         self.steps = (NEUTRAL, HOLD, *self.movements) if guided else (EVERYTHING,)
-        self._step_us = 10_000
-        self._t_us: int | None = None
+        self._due_us: int | None = None
         self.restart()
 
     def restart(self) -> None:
@@ -90,7 +93,6 @@ class CalibrationSession:
             peaks_mm=self.peaks_mm,
             resting_mm=list(measured.resting_mm),
             hold_mm=list(measured.hold_mm),
-            step_us=self._step_us,
         )
 
     def resume(self, progress: Progress) -> None:
@@ -101,7 +103,6 @@ class CalibrationSession:
         self._measured = _Measured(
             dict(progress.peaks_mm), list(progress.resting_mm), list(progress.hold_mm)
         )
-        self._step_us = progress.step_us
 
     @property
     def step(self) -> str | None:
@@ -134,37 +135,49 @@ class CalibrationSession:
 
     def take(self, gesture: Gesture) -> Repetition | None:
         """Processes one gesture; returns the repetition it ends."""
-        if self._t_us is not None and gesture.t_us > self._t_us:
-            self._step_us = gesture.t_us - self._t_us
-        self._t_us = gesture.t_us
         reading = self._reader.read(gesture)
+        raw_mm = float(gesture.intensity_mm)
+        n = self._count_readings(gesture.t_us)
         if self.step == NEUTRAL:
             resting_mm = self._measured.resting_mm
-            resting_mm.append(float(gesture.intensity_mm))
-            del resting_mm[: -(_NEUTRAL_US // self._step_us)]
+            resting_mm += [raw_mm] * n
+            del resting_mm[:-_NEUTRAL_READINGS]
+            return None
+        if not n:
             return None
         repetition = self._finder.update(reading)
-        self._collect(reading.mm, float(gesture.intensity_mm))
+        self._collect(reading.mm, raw_mm, n)
         if repetition is not None and self.accepts(repetition):
             self._measured.peaks_mm.setdefault(repetition.movement, []).append(repetition.peak_mm)
         return repetition
+
+    def _count_readings(self, t_us: int) -> int:
+        """Returns how many readings have become due; a hold ends where gestures were lost."""
+        if self._due_us is None:
+            self._due_us = t_us
+        n = (t_us - self._due_us) // _READING_US + 1
+        if not 0 <= n <= _MOST_HELD:  # also of a clock that was set back
+            self._end_hold()
+            self._due_us, n = t_us, 1
+        self._due_us += n * _READING_US
+        return n
 
     def accepts(self, repetition: Repetition) -> bool:
         """Returns True if it is what was asked for, and far enough."""
         asked = self.step in (EVERYTHING, repetition.movement)
         return asked and repetition.peak_mm >= LEAST_PEAK_MM
 
-    def _collect(self, mm: float, raw_mm: float) -> None:
+    def _collect(self, mm: float, raw_mm: float, n: int) -> None:
         """Collects the rest between repetitions, and the longest stretch of one held movement."""
         if self._finder.is_moving:
             self._rest()
             if mm < _HOLD_SHARE * self._finder.peak_mm:
                 self._end_hold()
             elif mm > 0.0:
-                self._latest_hold.append(mm)
+                self._latest_hold += [mm] * n
             return
         self._end_hold()
-        self._still_mm.append(raw_mm)
+        self._still_mm += [raw_mm] * n
 
     def _rest(self) -> None:
         """Collects the rest between two movements, but not right beside them."""
@@ -217,7 +230,7 @@ class CalibrationSession:
     @property
     def held_s(self) -> float:
         """For how long the present movement has been held; 0 while there is none."""
-        return len(self._latest_hold) * self._step_us / 1e6
+        return len(self._latest_hold) * _READING_US / 1e6
 
     def _measure(self, name: str) -> MovementRange | None:
         return measure_range(self._measured.peaks_mm.get(name, ()), self.rest_mm)
@@ -230,17 +243,17 @@ class CalibrationSession:
     @property
     def tremor(self) -> Tremor | None:
         """The tremor while a movement was held; None if there is none or nothing was held."""
-        return find_tremor(self._hold(), self._step_us)
+        return find_tremor(self._hold(), _READING_US)
 
     @property
     def tremor_filter(self) -> FilterName | None:
         """The weakest filter that is calm enough; None if nothing was held long enough."""
         hold = self._hold()
-        enough = len(hold) * self._step_us >= 3_000_000
-        return propose_filter(hold, self._step_us) if enough else None
+        enough = len(hold) * _READING_US >= 3_000_000
+        return propose_filter(hold, _READING_US) if enough else None
 
     def _hold(self) -> NDArray[np.float64]:
         """Returns the middle of the longest hold: its beginning and end are movements."""
         hold = self._measured.hold_mm
-        edge = min(len(hold) // 5, round(500_000 / self._step_us))
+        edge = min(len(hold) // 5, 500_000 // _READING_US)
         return np.array(hold[edge : len(hold) - edge])

@@ -23,9 +23,8 @@ class Progress(BaseModel):
         at: index of the present step.
         skipped: the steps that the person cannot do.
         peaks_mm: the repetitions that count, by movement.
-        resting_mm: the readings at rest.
-        hold_mm: the readings of the longest hold.
-        step_us: the time between two readings.
+        resting_mm: the readings at rest, 100 a second.
+        hold_mm: the readings of the longest hold, 100 a second.
     """
 
     model_config = ConfigDict(extra="forbid", strict=True)
@@ -37,7 +36,6 @@ class Progress(BaseModel):
     peaks_mm: dict[str, _Millimetres]
     resting_mm: _Millimetres
     hold_mm: _Millimetres
-    step_us: int = Field(gt=0, le=1_000_000)
 
 
 class UnfinishedCalibration:

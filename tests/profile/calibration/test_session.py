@@ -106,6 +106,34 @@ def test_the_guided_way_asks_step_by_step_goes_back_and_skips():
     assert session.tremor.amplitude_mm == pytest.approx(0.9, rel=0.1)
 
 
+@pytest.mark.parametrize("slices_us", [(1_000, 4_000, 2_500), (33_333,)])
+def test_a_tremor_is_what_it_is_however_often_gestures_come(slices_us):
+    """Slices are shorter while the hand moves; a webcam sees 30 pictures a second."""
+    session = CalibrationSession(UserSettings(), ("zoom",))
+    session.next()
+    fine, t_us = list(rehearse("pinch 5mm 300ms hold 6s tremor 6hz 0.9mm", slice_us=500)), 0
+    for i in range(len(fine)):
+        t_us += slices_us[i % len(slices_us)]
+        if t_us // 500 >= len(fine):
+            break
+        session.take(fine[t_us // 500])
+    assert session.held_s == 0.0
+    assert session.tremor.frequency_hz == pytest.approx(6.0, abs=0.3)
+    assert session.tremor.amplitude_mm == pytest.approx(0.9, rel=0.15)
+
+
+def test_lost_gestures_are_no_hold_and_what_was_done_can_be_kept():
+    """A busy machine may lose seconds."""
+    session = CalibrationSession(UserSettings(), ("zoom",))
+    session.next()
+    for gesture in rehearse("pinch 5mm 300ms hold 6s"):
+        if not 1_000_000 < gesture.t_us < 5_000_000:
+            session.take(gesture)
+            assert session.progress.at == 1
+    assert session.held_s < 2.0
+    assert session.tremor_filter is None
+
+
 def test_one_repetition_switches_nothing_off():
     session = CalibrationSession(UserSettings(), ("zoom", "pinch"))
     session.next()

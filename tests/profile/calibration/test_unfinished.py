@@ -86,7 +86,6 @@ def test_other_movements_and_a_rehearsal_are_kept_apart():
         {"version": 2},
         {"peaks_mm": {"zoom": [float("nan")]}},
         {"hold_mm": ["1"]},
-        {"step_us": 0},
         {"more": 1},
         {"steps": ["neutral"]},
     ],
