@@ -40,6 +40,22 @@ def test_a_notch_agrees_with_the_one_of_scipy(step_us: int) -> None:
     assert [still.update(4.0, step_us) for _ in range(50)] == pytest.approx([4.0] * 50)
 
 
+@pytest.mark.parametrize("choices_us", [(1_000, 4_000), (1_000, 1_000, 9_000), (700, 9_300)])
+def test_steps_of_uneven_lengths_are_as_good(choices_us: tuple[int, ...]) -> None:
+    """A live driver's slices are shorter while the hand moves."""
+    rng = np.random.default_rng(1)
+    steps_us = rng.choice(choices_us, 3000)
+    times_s = np.cumsum(steps_us) * 1e-6
+    values = 5.0 + np.sin(2 * np.pi * 5.0 * times_s)
+    notch, watch = Notch(5.0), TremorWatch(4.5)
+    pairs = list(zip(values, map(int, steps_us), strict=True))
+    settled = [notch.update(*pair) for pair in pairs][500:]
+    assert np.ptp(settled) < 0.05
+    found = [hz for pair in pairs if (hz := watch.update(*pair)) is not None]
+    assert found
+    assert found == pytest.approx([5.0] * len(found), abs=0.2)
+
+
 def test_the_tremor_is_followed_as_it_drifts_but_not_beyond() -> None:
     def find(hz: float, swing_mm: float = 1.0) -> list[float]:
         watch = TremorWatch(5.0)

@@ -16,6 +16,7 @@ from neurotouch_hid.profile.calibration.result import (
 )
 from neurotouch_hid.profile.calibration.tremor import Tremor, find_tremor, propose_filter
 from neurotouch_hid.profile.calibration.unfinished import Progress
+from neurotouch_hid.profile.engine.even_readings import READING_US, ReadingClock
 from neurotouch_hid.profile.engine.input_conditioner import InputConditioner
 from neurotouch_hid.profile.schema.movements import MOVEMENTS
 from neurotouch_hid.profile.schema.timing import FilterName
@@ -27,10 +28,6 @@ HOLD: Final = "hold"
 EVERYTHING: Final = "everything"
 _HOLD_SHARE: Final = 0.6
 _ALL_KINDS: Final = frozenset(kind for kind in GestureKind if kind != GestureKind.NONE)
-_READING_US: Final = 10_000
-"""Readings are this far apart, as the spectrum of a tremor needs; gestures come unevenly."""
-_MOST_HELD: Final = 20
-"""Readings that one gesture stands for, until the next: 0.2 s. A longer pause has lost gestures."""
 _NEUTRAL_READINGS: Final = 300
 """The last 3 s before the next step count as rest; earlier readings, of laying the hand down, do
 not."""
@@ -70,7 +67,7 @@ class CalibrationSession:
         self._reader = InputConditioner(plain, "none", _ALL_KINDS, latch=True)
         self.movements = movements or tuple(MOVEMENTS)
         self.steps = (NEUTRAL, HOLD, *self.movements) if guided else (EVERYTHING,)
-        self._due_us: int | None = None
+        self._clock, self._t_us = ReadingClock(), 0
         self.restart()
 
     def restart(self) -> None:
@@ -136,8 +133,12 @@ class CalibrationSession:
     def take(self, gesture: Gesture) -> Repetition | None:
         """Processes one gesture; returns the repetition it ends."""
         reading = self._reader.read(gesture)
+        n = self._clock.count(gesture.t_us - self._t_us)
+        self._t_us = gesture.t_us
+        if n is None:
+            self._end_hold()
+            return None
         raw_mm = float(gesture.intensity_mm)
-        n = self._count_readings(gesture.t_us)
         if self.step == NEUTRAL:
             resting_mm = self._measured.resting_mm
             resting_mm += [raw_mm] * n
@@ -150,17 +151,6 @@ class CalibrationSession:
         if repetition is not None and self.accepts(repetition):
             self._measured.peaks_mm.setdefault(repetition.movement, []).append(repetition.peak_mm)
         return repetition
-
-    def _count_readings(self, t_us: int) -> int:
-        """Returns how many readings have become due; a hold ends where gestures were lost."""
-        if self._due_us is None:
-            self._due_us = t_us
-        n = (t_us - self._due_us) // _READING_US + 1
-        if not 0 <= n <= _MOST_HELD:  # also of a clock that was set back
-            self._end_hold()
-            self._due_us, n = t_us, 1
-        self._due_us += n * _READING_US
-        return n
 
     def accepts(self, repetition: Repetition) -> bool:
         """Returns True if it is what was asked for, and far enough."""
@@ -230,7 +220,7 @@ class CalibrationSession:
     @property
     def held_s(self) -> float:
         """For how long the present movement has been held; 0 while there is none."""
-        return len(self._latest_hold) * _READING_US / 1e6
+        return len(self._latest_hold) * READING_US / 1e6
 
     def _measure(self, name: str) -> MovementRange | None:
         return measure_range(self._measured.peaks_mm.get(name, ()), self.rest_mm)
@@ -243,17 +233,17 @@ class CalibrationSession:
     @property
     def tremor(self) -> Tremor | None:
         """The tremor while a movement was held; None if there is none or nothing was held."""
-        return find_tremor(self._hold(), _READING_US)
+        return find_tremor(self._hold(), READING_US)
 
     @property
     def tremor_filter(self) -> FilterName | None:
         """The weakest filter that is calm enough; None if nothing was held long enough."""
         hold = self._hold()
-        enough = len(hold) * _READING_US >= 3_000_000
-        return propose_filter(hold, _READING_US) if enough else None
+        enough = len(hold) * READING_US >= 3_000_000
+        return propose_filter(hold, READING_US) if enough else None
 
     def _hold(self) -> NDArray[np.float64]:
         """Returns the middle of the longest hold: its beginning and end are movements."""
         hold = self._measured.hold_mm
-        edge = min(len(hold) // 5, 500_000 // _READING_US)
+        edge = min(len(hold) // 5, 500_000 // READING_US)
         return np.array(hold[edge : len(hold) - edge])

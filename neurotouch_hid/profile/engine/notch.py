@@ -1,48 +1,48 @@
 """Takes out the frequency at which one person's hand trembles, and follows it as it drifts."""
 
 import math
-from collections import deque
 from typing import Final
 
 import numpy as np
 
-from neurotouch_hid.profile.engine.one_euro import MAX_STEP_US, MIN_STEP_US
+from neurotouch_hid.profile.engine.even_readings import READING_US, ReadingClock
+from neurotouch_hid.profile.engine.one_euro import MAX_STEP_US
 from neurotouch_hid.profile.engine.spectrum import DRIFT_HZ, find_tremor
 
 QUALITY: Final = 0.7
 """Wide enough for a tremor that drifts by 1.5 Hz: with the filter medium, 8 % of 4 Hz and 4 % of
 6 Hz are left around 5 Hz. It costs about 45 ms."""
 
-WINDOW_US: Final = 3_000_000
+_WINDOW_READINGS: Final = 300
 """The tremor is looked for again in each 3 s of a hold."""
 
 
 class Notch:
     """A notch filter of second order for one quantity; a constant passes unchanged.
 
-    The coefficients are those of R. Bristow-Johnson's "Cookbook formulae for audio EQ biquad filter
-    coefficients"; they follow the length of the steps.
+    It is a state-variable filter, integrated by the trapezoidal rule: its two states are quantities
+    of the hand, not earlier samples, so steps of any lengths may follow each other. With equal
+    steps it is the usual bilinear notch.
 
     Attributes:
         hz: what it takes out.
     """
 
-    __slots__ = ("_a1", "_a2", "_b0", "_b1", "_first", "_second", "_started", "_step_us", "hz")
+    __slots__ = ("_before", "_gain", "_is_started", "_slow", "_step_us", "_swing", "hz")
 
     def __init__(self, hz: float) -> None:
         self.hz = hz
-        self._step_us = 0
+        self._step_us = -1  # none
         self.reset()
 
     def reset(self) -> None:
         """Starts again, at whatever comes next."""
-        self._started = False
-        self._first = self._second = 0.0
+        self._is_started = False
 
     def tune(self, hz: float) -> None:
         """Takes out another frequency from now on."""
         self.hz = hz
-        self._step_us = 0
+        self._step_us = -1  # none
 
     def update(self, value: float, step_us: int) -> float:
         """Returns the value without its part near the frequency.
@@ -51,26 +51,21 @@ class Notch:
             value: finite.
             step_us: the time since the value before.
         """
-        step_us = min(max(step_us, MIN_STEP_US), MAX_STEP_US)
+        step_us = min(max(step_us, 0), MAX_STEP_US)
         if step_us != self._step_us:
-            self._set_step(step_us)
-        b0, b1, a1, a2 = self._b0, self._b1, self._a1, self._a2
-        if not self._started:
-            self._started = True
-            self._second = (b0 - a2) * value
-            self._first = (b1 - a1) * value + self._second
-        smooth = b0 * value + self._first
-        self._first = b1 * value - a1 * smooth + self._second
-        self._second = b0 * value - a2 * smooth
-        return smooth
-
-    def _set_step(self, step_us: int) -> None:
-        self._step_us = step_us
-        turn = 2.0 * math.pi * min(self.hz * step_us * 1e-6, 0.45)
-        alpha = math.sin(turn) / (2.0 * QUALITY)
-        self._b0 = 1.0 / (1.0 + alpha)
-        self._b1 = self._a1 = -2.0 * math.cos(turn) / (1.0 + alpha)
-        self._a2 = (1.0 - alpha) / (1.0 + alpha)
+            self._step_us = step_us
+            self._gain = math.tan(math.pi * min(self.hz * step_us * 1e-6, 0.45))
+        if not self._is_started:
+            self._is_started = True
+            self._before = self._slow = value
+            self._swing = 0.0
+        gain, swing = self._gain, self._swing
+        rest = self._before - self._slow - swing / QUALITY
+        slow = self._slow + gain * swing
+        self._swing = (swing + gain * (rest + value - slow)) / (1.0 + gain * (gain + 1.0 / QUALITY))
+        self._slow = slow + gain * self._swing
+        self._before = value
+        return value - self._swing / QUALITY
 
 
 class TremorWatch:
@@ -82,13 +77,12 @@ class TremorWatch:
 
     def __init__(self, hz: float) -> None:
         self._own_hz = hz
-        self._held_mm: deque[float] = deque()
-        self._held_us = 0
+        self.reset()
 
     def reset(self) -> None:
         """Ends the hold."""
-        self._held_mm.clear()
-        self._held_us = 0
+        self._held_mm: list[float] = []
+        self._clock = ReadingClock()
 
     def update(self, mm: float, step_us: int) -> float | None:
         """Returns the frequency at the end of each window with a tremor, otherwise None.
@@ -97,11 +91,14 @@ class TremorWatch:
             mm: how far the hand is, unfiltered.
             step_us: the time since the value before.
         """
-        self._held_mm.append(mm)
-        self._held_us += max(step_us, 0)
-        if self._held_us < WINDOW_US:
+        n = self._clock.count(step_us)
+        if n is None:  # readings were lost
+            self.reset()
             return None
-        tremor = find_tremor(np.array(self._held_mm), self._held_us // len(self._held_mm))
+        self._held_mm += [mm] * n
+        if len(self._held_mm) < _WINDOW_READINGS:
+            return None
+        tremor = find_tremor(np.array(self._held_mm), READING_US)
         self.reset()
         if tremor is None or abs(tremor.frequency_hz - self._own_hz) > DRIFT_HZ:
             return None
