@@ -4,6 +4,8 @@ import os
 
 import pytest
 
+from tests.page.chromium import MISSING
+
 NOTHING = [0.0] * 17
 
 
@@ -13,7 +15,7 @@ def gamepad(guest):
     if seen is None and os.environ.get("NEUROTOUCH_REQUIRE_BROWSER") == "1":
         pytest.fail("browser tests are required, but no Chromium is installed")
     if seen is None:
-        pytest.skip("no Chromium here (Debian: apt install chromium)")
+        pytest.skip(MISSING)
     return seen
 
 

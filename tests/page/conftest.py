@@ -5,12 +5,12 @@ ends, and stays in one process.
 """
 
 import os
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from tests.page import chromium
 from tests.page.played import PlayedDriver
 from tests.page.processes import Driver, View
 from tests.page.waiting import wait_for
@@ -34,12 +34,11 @@ bindings:
 
 def find_chromium() -> str:
     """The browser's program; the tests are skipped where there is none."""
-    found = shutil.which("chromium") or shutil.which("chromium-browser")
+    found = chromium.find_program()
     if found is None:
-        sentence = "no Chromium here (Debian: apt install chromium)"
         if os.environ.get("NEUROTOUCH_REQUIRE_BROWSER") == "1":
-            pytest.fail(f"browser tests are required, but there is {sentence}")
-        pytest.skip(f"browser tests: {sentence}")
+            pytest.fail(f"browser tests are required, but there is {chromium.MISSING}")
+        pytest.skip(f"browser tests: {chromium.MISSING}")
     return found
 
 
@@ -50,9 +49,9 @@ def browser() -> Iterator[object]:
 
     options = ["--no-sandbox"] if os.geteuid() == 0 else []
     with sync_playwright() as playwright:
-        chromium = playwright.chromium.launch(executable_path=program, args=options)
-        yield chromium
-        chromium.close()
+        launched = playwright.chromium.launch(executable_path=program, args=options)
+        yield launched
+        launched.close()
 
 
 @pytest.fixture

@@ -1,7 +1,6 @@
 """Chromium in the guest: what its Gamepad API says of our pad, and what it shows of a gesture."""
 
 import os
-import shutil
 import threading
 import time
 from functools import partial
@@ -14,6 +13,7 @@ from neurotouch_hid.messages import Button, GamepadState
 from neurotouch_hid.page.server import STATIC
 from neurotouch_hid.profile import Mapping, load_profile, rehearse
 from tests.kernel.guest.opening import run
+from tests.page.chromium import find_program
 
 PATIENCE_MS = 400_000.0
 """The browser takes two and a half minutes to start where no hardware helps."""
@@ -34,7 +34,7 @@ class _Quiet(SimpleHTTPRequestHandler):
 
 def read_gamepad(results: Path) -> dict[str, Any] | None:
     """Start the browser, show it the pad, play a gesture; None where there is no browser."""
-    program = shutil.which("chromium")
+    program = find_program()
     if program is None:
         return None
     from playwright.sync_api import sync_playwright

@@ -107,6 +107,7 @@ const page = openPage(HZ, {
   outputs(groups) {
     chooser.setOutputs(groups);
     showLayer();
+    find("cards").hidden = false; // all is known: no button moves away from under the mouse
   },
   profiles: (found) => profiles.show(found),
   shown: (found, { name }) => profiles.shown(found, name),
