@@ -42,8 +42,7 @@ class Compositor:
 
 
 @pytest.fixture
-def listen(tmp_path, monkeypatch):
-    monkeypatch.setattr("neurotouch_hid.desktop.compositor._PATIENCE_S", 60.0)
+def listen(tmp_path):
     opened = []
 
     def start(path, answer):
