@@ -287,7 +287,7 @@ class Driver(Closing):
         """Returns whether kernels are loaded before the source is opened.
 
         A camera that is waited for may come meanwhile. Another driver's packets must be taken as
-        they come: who takes none for 10 s gets no more.
+        they come: who takes none loses the oldest.
 
         Raises:
             NotRunningError: that driver does not run.

@@ -3,7 +3,7 @@
 import socket
 import struct
 from collections.abc import Iterator
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 
@@ -24,7 +24,15 @@ _MAX_EVENTS: Final = 1 << 24
 _MAX_FRAMES: Final = 1 << 10
 
 
-def send_packet(line: socket.socket, packet: EventPacket) -> None:
+class Line(Protocol):
+    """Takes the bytes of packets, as a socket does."""
+
+    def sendall(self, data: bytes | memoryview, /) -> None:
+        """Sends all of it."""
+        ...
+
+
+def send_packet(line: Line, packet: EventPacket) -> None:
     """Sends a packet whole.
 
     Raises:

@@ -4,15 +4,25 @@ import socket
 import threading
 import time
 
+import numpy as np
 import pytest
 
 from neurotouch_hid.driver.packet_feed import MAX_SUBSCRIBERS, QUEUE_BYTES, PacketFeed
 from neurotouch_hid.errors import DriverError
-from neurotouch_hid.messages import GamepadState, GelState, MarkerField, Step, no_gesture
+from neurotouch_hid.messages import (
+    EVENT_DTYPE,
+    EventPacket,
+    GamepadState,
+    GelState,
+    MarkerField,
+    Step,
+    no_gesture,
+)
 from neurotouch_hid.recording.wire import receive_packets
 from tests.recording.streams import make_packets
 
 LIMIT_S = 60.0
+EMPTY = np.empty(0, EVENT_DTYPE)
 
 
 def step_of(packet):
@@ -93,6 +103,46 @@ def test_a_listener_that_sleeps_loses_the_oldest_and_is_told_how_many(packet_fee
     assert lost > 0
     assert arrived + lost == rounds * 1_000_000
     assert received[-1].t_begin_us == packets[-1].t_begin_us  # the newest is never lost
+
+
+def test_a_listener_that_was_stopped_goes_on(packet_feed, monkeypatch):
+    """As with Ctrl-Z, or a slow disk: it has waited longer than anybody waits at the end."""
+    monkeypatch.setattr("neurotouch_hid.driver.packet_feed.PATIENCE_S", 0.2)
+    monkeypatch.setattr("neurotouch_hid.driver.packet_feed._LOOK_S", 0.05)
+    line, thread = listen(packet_feed)
+    packets = [*make_packets(1_000_000), EventPacket(1 << 40, (1 << 40) + 1, EMPTY)]
+    for packet in packets:
+        packet_feed(step_of(packet))
+    [subscriber] = packet_feed._subscribers
+    wait_until(lambda: subscriber.is_stuck)
+    received = []
+    reader = threading.Thread(target=lambda: received.extend(receive_packets(line)))
+    reader.start()
+    wait_until(lambda: len(received) == len(packets))
+    packet_feed.close()
+    reader.join(LIMIT_S)
+    thread.join(LIMIT_S)
+    line.close()
+    for sent, got in zip(packets, received, strict=True):
+        assert np.array_equal(sent.events, got.events)
+        for shown, seen in zip(sent.frames, got.frames, strict=True):
+            assert np.array_equal(shown.pixels, seen.pixels)
+
+
+def test_one_that_stays_stopped_makes_room_and_holds_up_no_end(packet_feed, monkeypatch):
+    monkeypatch.setattr("neurotouch_hid.driver.packet_feed.PATIENCE_S", 0.2)
+    monkeypatch.setattr("neurotouch_hid.driver.packet_feed._LOOK_S", 0.05)
+    served = [listen(packet_feed) for _ in range(MAX_SUBSCRIBERS)]
+    for packet in make_packets(1_000_000):
+        packet_feed(step_of(packet))
+    wait_until(lambda: all(each.is_stuck for each in packet_feed._subscribers))
+    packet_feed.require_place()
+    assert len(packet_feed._subscribers) == MAX_SUBSCRIBERS - 1
+    packet_feed.close()
+    for line, thread in served:  # nobody has read anything
+        thread.join(LIMIT_S)
+        assert not thread.is_alive()
+        line.close()
 
 
 def test_a_listener_that_leaves_is_forgotten(packet_feed):
