@@ -5,7 +5,7 @@ from typing import Final
 READING_US: Final = 10_000
 """Readings are this far apart, as the spectrum of a tremor needs."""
 
-_MOST_US: Final = 200_000
+_MOST_US: Final = 500_000
 """One gesture stands for the time until the next, up to this; after longer, some were lost."""
 
 
