@@ -21,6 +21,7 @@ PATIENCE_S: Final = 10.0
 """A subscriber that takes nothing for this time makes room for another, and holds up no end."""
 
 _LOOK_S: Final = 0.5
+"""So often it is looked whether one that takes nothing is to end."""
 
 
 class PacketFeed:
