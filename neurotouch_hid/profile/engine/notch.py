@@ -20,9 +20,9 @@ _WINDOW_READINGS: Final = 300
 class Notch:
     """A notch filter of second order for one quantity; a constant passes unchanged.
 
-    It is a state-variable filter, integrated as in A. Simper's "Solving the continuous SVF equations
-    using trapezoidal integration". Its states are quantities of the hand, not earlier samples, so
-    steps of any lengths may follow each other. With equal steps it is the usual bilinear notch.
+    It is a state-variable filter, as in A. Simper's "Solving the continuous SVF equations using
+    trapezoidal integration". Its states are quantities of the hand, not earlier samples, so steps
+    of any lengths may follow each other. With equal steps it is the usual bilinear notch.
 
     Attributes:
         hz: what it takes out.
