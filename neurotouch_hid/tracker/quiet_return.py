@@ -10,9 +10,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.kernels.order_statistics import select
 from neurotouch_hid.process.kernel_cache import load
 from neurotouch_hid.tracker.kernels import correction, neighbours
-from neurotouch_hid.tracker.kernels.matching import select
 from neurotouch_hid.tracker.kernels.tracks import Tracks, shift
 
 LOOK_US = 10_000  # time between two looks

@@ -59,19 +59,6 @@ def test_what_neighbours_share_is_not_measured_where_all_move_far_or_few_are_see
     assert far[2] == few[2] == np.inf
 
 
-@given(st.lists(st.floats(0.0, 1e9), min_size=1, max_size=40))
-@settings(max_examples=100, deadline=None)
-def test_any_place_in_order_is_selected(values):
-    chosen = [kernels.select(np.array(values), k) for k in range(len(values))]
-    assert chosen == sorted(values)
-
-
-@given(st.lists(st.floats(-1e9, 1e9), min_size=1, max_size=40))
-@settings(max_examples=100, deadline=None)
-def test_the_median_is_that_of_numpy(values):
-    assert kernels.median(np.array(values)) == np.median(values)
-
-
 @given(st.integers(0, 2**32 - 1), st.integers(0, 40), st.integers(0, 40))
 @settings(max_examples=50, deadline=None)
 def test_pairs_are_mutual_and_clear(seed, n, m):

@@ -5,9 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.kernels.order_statistics import median
 from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.filter import STILL_US
-from neurotouch_hid.tracker.kernels.matching import match_points, median
+from neurotouch_hid.tracker.kernels.matching import match_points
 from neurotouch_hid.tracker.kernels.neighbours import expect, find_strays
 from neurotouch_hid.tracker.kernels.tracks import Tracks, Tuning, note_frame
 

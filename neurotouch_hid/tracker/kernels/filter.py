@@ -5,9 +5,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.kernels.order_statistics import select
 from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.lost_markers import update_lost_markers
-from neurotouch_hid.tracker.kernels.matching import select
 from neurotouch_hid.tracker.kernels.nearest import PAIR, assign, find_event
 from neurotouch_hid.tracker.kernels.slow_motion import (
     add_steps,

@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.kernels.order_statistics import median
 from neurotouch_hid.process.kernel_cache import kernel
-from neurotouch_hid.tracker.kernels.matching import median
 
 BLOCK_PX = 8  # brightness is measured in windows of 3 x 3 blocks, two to three markers wide
 SHIFT = 3  # log2(BLOCK_PX)

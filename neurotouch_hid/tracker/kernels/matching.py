@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.kernels.order_statistics import select
 from neurotouch_hid.process.kernel_cache import kernel
 
 
@@ -137,56 +138,6 @@ def pair_nearest(
     for i in range(n):
         if out[i] >= 0 and site[out[i]] != i:
             out[i] = -1
-
-
-@kernel
-def _select_key(keys: NDArray[np.int64], k: int) -> int:
-    """Returns the key with index ``k`` of the sorted keys, (n,) int64.
-
-    A binary search: it has no branches that a processor would mispredict, as sorting has. After
-    each round, both limits move on to the next key that occurs, so it takes ten rounds instead of
-    sixty.
-    """
-    low, high = keys.min(), keys.max()
-    while low < high:
-        middle = (low & high) + ((low ^ high) >> 1)  # their sum may be too large
-        n, below, above = 0, low, high
-        for i in range(len(keys)):  # eight at once
-            is_below = keys[i] <= middle
-            n += is_below
-            below = max(below, keys[i] if is_below else low)
-            above = min(above, high if is_below else keys[i])
-        if n > k:
-            high = below
-        else:
-            low = above
-    return int(low)
-
-
-@kernel
-def select(values: NDArray[np.float64], k: int) -> float:
-    """Returns the value with index ``k`` of the sorted values, (n,) float64, all >= 0.
-
-    Their bits have the same order.
-    """
-    return float(np.array([_select_key(values.view(np.int64), k)]).view(np.float64)[0])
-
-
-@kernel
-def median(values: NDArray[np.float64]) -> float:
-    """Returns the median of values, (n,) float64, at least one."""
-    bits, n = values.view(np.int64), len(values)
-    rest = np.int64(0x7FFFFFFFFFFFFFFF)  # all bits but the sign; those of a negative value fall
-    keys = np.empty(n, np.int64)
-    for i in range(n):
-        keys[i] = bits[i] ^ ((bits[i] >> 63) & rest)
-    middle = np.empty(2, np.int64)
-    middle[0] = _select_key(keys, (n - 1) // 2)
-    middle[1] = middle[0] if n & 1 else _select_key(keys, n // 2)
-    for i in range(2):
-        middle[i] ^= (middle[i] >> 63) & rest
-    two = middle.view(np.float64)
-    return float(0.5 * (two[0] + two[1]))
 
 
 @kernel

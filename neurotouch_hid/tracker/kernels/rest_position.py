@@ -5,8 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.kernels.order_statistics import median
 from neurotouch_hid.process.kernel_cache import kernel
-from neurotouch_hid.tracker.kernels.matching import median
 from neurotouch_hid.tracker.kernels.rigid import follow_rig, median_size
 
 MAX_DRIFT_PX = 1.0  # a marker farther off its rest position is being pushed, or the rig was bumped

@@ -5,13 +5,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.kernels.order_statistics import median, select
 from neurotouch_hid.process.kernel_cache import kernel
 from neurotouch_hid.tracker.kernels.matching import (
     match_points,
     measure_largest,
     measure_sizes,
-    median,
-    select,
 )
 
 N_ROUNDS = 5  # of the robust fit

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.kernels.order_statistics import median, select
 from neurotouch_hid.process.kernel_cache import kernel
 
 Floats = NDArray[np.float64]
@@ -56,7 +57,7 @@ def find_common(moved: Floats, weight: Floats) -> tuple[float, float]:
         if weight[i] > 0.0:
             x[n], y[n] = moved[i, 0], moved[i, 1]
             n += 1
-    return float(np.median(x[:n])), float(np.median(y[:n]))
+    return float(median(x[:n])), float(median(y[:n]))
 
 
 @kernel
@@ -101,7 +102,7 @@ def measure_sway(moved: Floats, weight: Floats, x: float, y: float) -> float:
         if weight[i] > 0.0:
             along[n] = (moved[i, 0] * x + moved[i, 1] * y) / length
             n += 1
-    return max(float(np.partition(along[:n], n // 4)[n // 4]), 0.0)
+    return max(float(select(along[:n], n // 4)), 0.0)
 
 
 @kernel
@@ -121,4 +122,4 @@ def measure_spread(moved: Floats, weight: Floats) -> float:
         if weight[i] > 0.0:
             away[n], away[n + 1] = abs(moved[i, 0] - x), abs(moved[i, 1] - y)
             n += 2
-    return 1.4826 * float(np.median(away[:n]))
+    return 1.4826 * float(median(away[:n]))
