@@ -3,6 +3,7 @@
 import cmath
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -148,10 +149,14 @@ def measure_pitch(points: Floats) -> float:
     return float(np.median(away.min(axis=1)))
 
 
-def count_turns(points_mm: Floats) -> int:
-    """Returns how many turns about their middle, within a whole one, map points to themselves."""
-    z = (points_mm - points_mm.mean(axis=0)) @ (1, 1j)
-    near_mm = _SAME * measure_pitch(points_mm)
+@lru_cache(maxsize=2)
+def count_turns(gel: Gel) -> int:
+    """Returns how many turns about their middle, within a whole one, map markers to themselves.
+
+    Each start asks three times.
+    """
+    z = (gel.points_mm - gel.points_mm.mean(axis=0)) @ (1, 1j)
+    near_mm = _SAME * measure_pitch(gel.points_mm)
     for n in range(_MOST_TURNS, 1, -1):
         turned = z * cmath.rect(1.0, 2.0 * math.pi / n)
         if np.abs(turned[:, None] - z).min(axis=1).max() < near_mm:

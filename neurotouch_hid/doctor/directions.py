@@ -114,7 +114,7 @@ def watch_view(
         twist = _wait_for(steps, {GestureKind.TWIST_CW, GestureKind.TWIST_CCW}, say)
         if twist is None:
             return None
-        view = find_view(push, twist, pipeline.gel.rotation_deg or 0.0, count_turns(gel.points_mm))
+        view = find_view(push, twist, pipeline.gel.rotation_deg or 0.0, count_turns(gel))
         if view is None:
             say("The push went between two directions.")
     return view

@@ -99,7 +99,7 @@ class LatticeFinder:
         self._beyond = find_beyond(gel)
         low_px = self.config.min_pitch_px
         high_px = self.config.max_radius_px / gel.radius_mm * gel.pitch_mm
-        net, n_turns = find_net(gel), count_turns(gel.points_mm)
+        net, n_turns = find_net(gel), count_turns(gel)
         self._search: Growth | Alignment = (
             Alignment(gel, n_turns, low_px, high_px)
             if net is None

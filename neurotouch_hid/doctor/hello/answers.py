@@ -150,7 +150,7 @@ def find_directions(session: Session) -> View | None:
     turned = _find_stroke(twist, GestureKind.TWIST_CW) or _find_stroke(twist, GestureKind.TWIST_CCW)
     if push is None or turned is None or push.intensity_mm < _LEAST_DIRECTION_MM:
         return None
-    n_turns = count_turns(session.gel.layout.points_mm)
+    n_turns = count_turns(session.gel.layout)
     return find_view(push, turned, session.gel.rotation_deg or 0.0, n_turns)
 
 

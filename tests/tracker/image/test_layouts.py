@@ -26,7 +26,7 @@ def look(gel, rig, dome=0.06, tilt=0.0004):
 def test_turns_and_lattices_are_known(name):
     gel = LAYOUTS[name]
     net = find_net(gel)
-    assert count_turns(gel.points_mm) == TURNS[name]
+    assert count_turns(gel) == TURNS[name]
     assert (None if net is None else net.n_turns) == NETS.get(name)
     if net is not None:
         z = net.sites @ np.array([net.first_mm, net.second_mm])
