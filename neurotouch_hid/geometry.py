@@ -142,11 +142,26 @@ def place_grid(columns: int, rows: int, x_mm: float, y_mm: float) -> Floats:
     return points
 
 
+def find_median(values: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Returns the median along the first axis of numbers without NaN; NaN if there is none.
+
+    It is that of ``np.median``, which takes several times as long, and whose first call imports
+    ``numpy.ma``: 8 ms of a start.
+    """
+    n = len(values)
+    if not n:
+        return np.full(values.shape[1:], np.nan)
+    below, above = (n - 1) // 2, n // 2
+    parted = np.partition(values, (below, above), axis=0)
+    median: NDArray[np.floating] = (parted[below] + parted[above]) / 2
+    return median
+
+
 def measure_pitch(points: Floats) -> float:
     """Returns the median distance of points, (n, 2), from the nearest other one."""
     away = np.hypot(*(points[:, None] - points).transpose(2, 0, 1))
     np.fill_diagonal(away, np.inf)
-    return float(np.median(away.min(axis=1)))
+    return float(find_median(away.min(axis=1)))
 
 
 @lru_cache(maxsize=2)

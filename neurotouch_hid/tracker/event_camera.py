@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import Gel, Rig, fit_rig
+from neurotouch_hid.geometry import Gel, Rig, find_median, fit_rig
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, EventPacket, Frame
 from neurotouch_hid.process.kernel_cache import load
 from neurotouch_hid.tracker.blobs import BlobConfig, BlobFinder
@@ -123,7 +123,9 @@ class EventCamera:
 
     def _watch(self) -> None:
         """Learns where the markers are at rest whenever the gel has come back from a touch."""
-        self._noise = noise = max(1.48 * float(np.median(np.abs(self._now))), _LEAST_NOISE)
+        self._noise = noise = max(
+            1.48 * float(find_median(np.abs(self._now).ravel())), _LEAST_NOISE
+        )
         changed = int(np.count_nonzero(np.abs(self._now) > _NOISE * noise))
         moving = int(np.count_nonzero(np.abs(self._now - self._before) > _NOISE * noise))
         self._before[:] = self._now
@@ -159,7 +161,7 @@ class EventCamera:
         known = self._weight > 0.0
         if known.any():
             mean_px = self._total_px[known] / self._weight[known, None]
-            off_px = np.median(np.hypot(*(mean_px - spots.position_px[known]).T))
+            off_px = find_median(np.hypot(*(mean_px - spots.position_px[known]).T))
             if (
                 off_px > 0.5 * self._gel.pitch_mm * spots.px_per_mm
             ):  # the lattice was a pitch beside it
@@ -235,7 +237,7 @@ class EventCamera:
         return count_lost(self._gel, lattice.blob >= 0) >= _LEAST_LOST
 
     def _find_blobs(self, picture: NDArray[np.float32]) -> NDArray[np.float64]:
-        above = picture - np.median(picture)
+        above = picture - find_median(picture.ravel())
         pixels = np.clip(kernels.BLACK_DN + _GREY / self._noise * above, 0, 255).astype(np.uint8)
         return self._finder.find(pixels).centroid_px.copy()
 

@@ -7,7 +7,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import fit_rig
+from neurotouch_hid.geometry import find_median, fit_rig
 from neurotouch_hid.messages import Frame, GelProblem, GelState
 from neurotouch_hid.tracker.blobs import Blobs
 from neurotouch_hid.tracker.diagnosis import Diagnosis, Motion, count_glints
@@ -115,7 +115,7 @@ class GelWatch:
         rig = fit_rig(position_px, self._gel)
         if self._first_px is None:
             self._first_px = position_px
-        moved_px = float(np.median(np.hypot(*(position_px - self._first_px).T)))
+        moved_px = float(find_median(np.hypot(*(position_px - self._first_px).T)))
         self._moved_mm = round(moved_px / rig.px_per_mm, 1)
         if self._moved_mm > _MOVED_MM:
             self._moved_us = frame.t_us

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import Gel
+from neurotouch_hid.geometry import Gel, find_median
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
 from neurotouch_hid.tracker.smooth_map import GATE, SiteMap, assign, fit_model
 
@@ -124,7 +124,7 @@ class Growth:
         """
         z = points @ (1, 1j)
         best: dict[tuple[int, int], int] = {}
-        seeds = np.argsort(np.abs(z - np.median(z.real) - 1j * np.median(z.imag)))[:12]
+        seeds = np.argsort(np.abs(z - find_median(z.real) - 1j * find_median(z.imag)))[:12]
         for seed in seeds:
             if int(seed) in best.values():
                 continue
@@ -226,5 +226,5 @@ def _find_basis(points: Floats, n_turns: int, low: float, high: float) -> comple
     centre_angle = (column + 0.5) * 2.0 * math.pi / n_turns / n_angles - most_rad
     turn = np.angle(np.exp(1j * n_turns * (angle - centre_angle))) / n_turns
     members = (np.abs(length - centre_length) < 1.0) & (np.abs(turn) < 0.12)
-    rotation = centre_angle + float(np.median(turn[members]))
-    return cmath.rect(float(np.median(length[members])), rotation)
+    rotation = centre_angle + float(find_median(turn[members]))
+    return cmath.rect(float(find_median(length[members])), rotation)

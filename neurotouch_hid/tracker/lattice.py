@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig, count_turns
+from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig, count_turns, find_median
 from neurotouch_hid.tracker.alignment import Alignment
 from neurotouch_hid.tracker.beyond import find_beyond
 from neurotouch_hid.tracker.growth import Growth, find_net
@@ -144,9 +144,11 @@ class LatticeFinder:
         position[is_seen] = centroid_px[blob[is_seen]]
         off = np.where(is_seen[:, None], position - model, 0.0)
         bend, own, error = self._average(off, is_seen)
-        tolerance = 1.4826 * float(np.median(np.abs(own[is_seen])))
+        tolerance = 1.4826 * float(find_median(np.abs(own[is_seen]).ravel()))
         bend2 = float(((bend**2).sum(axis=1) - (_PRINT_BEND * tolerance * error) ** 2).max())
-        free = np.setdiff1d(np.arange(len(centroid_px)), blob[is_seen])
+        is_free = np.ones(len(centroid_px), np.bool_)
+        is_free[blob[is_seen]] = False
+        free = np.flatnonzero(is_free)
         displaced = assign(model[~is_seen], centroid_px[free], pitch_px) >= 0
         aside_mm = np.hypot(*(gel.points_mm[is_seen].mean(axis=0) - gel.points_mm.mean(axis=0)))
         bend_px = math.sqrt(max(bend2, 0.0))

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import Gel
+from neurotouch_hid.geometry import Gel, find_median
 from neurotouch_hid.tracker.kernels.matching import pair_nearest
 
 GATE = 0.42  # of the pitch: a dot farther from its site may belong to the next one
@@ -26,7 +26,7 @@ def fit_model(points: NDArray[np.float64], blob: NDArray[np.intp], gel: Gel) -> 
         solution = np.linalg.lstsq(design[use], target, rcond=None)[0]
         model = design @ solution
         error = np.hypot(*(target - model[use]).T)
-        keep = error <= max(3.0 * float(np.median(error)), 0.5)
+        keep = error <= max(3.0 * float(find_median(error)), 0.5)
         if keep.all() or keep.sum() < gel.n_markers // 4:
             break
         use, target = use[keep], target[keep]

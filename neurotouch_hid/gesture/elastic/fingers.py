@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig, place_square
+from neurotouch_hid.geometry import PAPER_GEL, Gel, Rig, find_median, place_square
 from neurotouch_hid.gesture.elastic.kernels.arrays import MOST, N_SIDES, make_arrays
 from neurotouch_hid.gesture.elastic.kernels.field import fill_responses, rim_window
 from neurotouch_hid.gesture.elastic.kernels.follow import locate_shown
@@ -162,7 +162,9 @@ class FingerTracker:
             rig.px_per_mm * math.sin(rig.rotation_rad),
         )
         if self._rest_px is not None:  # where the whole gel is counts from the new rest position
-            x_mm, y_mm = rig.vector_to_mm(np.nanmedian(rest_px - self._rest_px, axis=0))
+            moved_px = rest_px - self._rest_px
+            moved_px = moved_px[np.isfinite(moved_px).all(axis=1)]
+            x_mm, y_mm = rig.vector_to_mm(find_median(moved_px))
             is_bumped = math.hypot(x_mm, y_mm) > _BUMP_MM
             for name, moved_mm in zip(_PLACES, (x_mm, y_mm, x_mm, y_mm), strict=True):
                 self._state[name] = 0.0 if is_bumped else self._state[name] - moved_mm
