@@ -5,6 +5,7 @@ Every file that a person names is written here.
 
 import errno
 import os
+import shlex
 import stat
 from pathlib import Path
 from types import TracebackType
@@ -109,7 +110,21 @@ def suggest_fix(error: OSError) -> str:
         case errno.EROFS:
             return "This disk is read-only, often after an error. Restart the machine."
         case _:
-            return "It needs the right to write there."
+            return explain_missing_right(error, "write there")
+
+
+def explain_missing_right(error: OSError, to: str) -> str:
+    """Returns what to do where a right is missing.
+
+    Args:
+        error: what the system said.
+        to: what the right is for: ``read it`` or ``write there``.
+    """
+    if not isinstance(error.filename, str):
+        return f"Get the right to {to}."
+    place = Path(error.filename)
+    shown = shlex.quote(str(place if to == "read it" else place.parent))
+    return f"Get the right to {to}. Whose each folder is: namei -l {shown}"
 
 
 def try_writing(path: Path) -> None:
