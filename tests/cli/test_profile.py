@@ -234,6 +234,9 @@ def test_what_is_exported_has_nothing_of_the_person(home, tmp_path):
     assert run("profile", "export", "mine", "--output", path, "--force", "--user", user)[1] == 0
     assert "slots" in user.read_text(encoding="utf-8")
     assert "/" not in user.read_text(encoding="utf-8").split("\n", 1)[0]
+    other = tmp_path / "other.yaml"
+    assert run("profile", "export", "mine", "--output", other, "--user", user)[1] == 6
+    assert not other.exists()  # nothing is written where a part is refused
 
 
 def test_an_import_shows_what_it_does_and_asks(home, tmp_path):
