@@ -109,8 +109,10 @@ def suggest_fix(error: OSError) -> str:
             return "Make room on this disk, then try again."
         case errno.EROFS:
             return "This disk is read-only, often after an error. Restart the machine."
-        case _:
+        case errno.EACCES | errno.EPERM:
             return explain_missing_right(error, "write there")
+        case _:
+            return f"See what each part of its path is: {_show_path(error)}"
 
 
 def explain_missing_right(error: OSError, to: str) -> str:
@@ -120,11 +122,13 @@ def explain_missing_right(error: OSError, to: str) -> str:
         error: what the system said.
         to: what the right is for: ``read it`` or ``write there``.
     """
-    if not isinstance(error.filename, str):
-        return f"Get the right to {to}."
-    place = Path(error.filename)
-    shown = shlex.quote(str(place if to == "read it" else place.parent))
-    return f"Get the right to {to}. Whose each folder is: namei -l {shown}"
+    return f"Get the right to {to}. Who owns each part of its path: {_show_path(error)}"
+
+
+def _show_path(error: OSError) -> str:
+    """Returns the command that lists a path's folders with owner and mode."""
+    path = error.filename if isinstance(error.filename, str) else "PATH"
+    return f"namei -l {shlex.quote(path)}"
 
 
 def try_writing(path: Path) -> None:

@@ -180,8 +180,10 @@ def test_what_to_do_is_said_by_the_reason(number, fix):
 
 def test_a_missing_right_is_explained_with_the_folders_above(tmp_path):
     denied = PermissionError(errno.EACCES, "Permission denied", str(tmp_path / "my file"))
-    assert suggest_fix(denied).endswith(f"Whose each folder is: namei -l {tmp_path}")
-    assert suggest_reading(denied).endswith(f"Whose each folder is: namei -l '{tmp_path}/my file'")
+    shown = f"Who owns each part of its path: namei -l '{tmp_path}/my file'"
+    assert suggest_fix(denied) == f"Get the right to write there. {shown}"
+    assert suggest_reading(denied) == f"Get the right to read it. {shown}"
+    assert "namei -l /x" in suggest_fix(NotADirectoryError(errno.ENOTDIR, "no folder", "/x"))
     assert suggest_reading(IsADirectoryError(errno.EISDIR, "a folder", "x"), "Name a file.") == (
         "Name a file."
     )

@@ -102,7 +102,8 @@ def check_labelled(recordings: Iterable[Path]) -> None:
 def _refuse_unlabelled(path: Path) -> RecordingError:
     return RecordingError(
         f"There is no file '{path}'.",
-        hint="Labels belong beside their recording, as NAME.labels.csv.",
+        hint="Labels belong beside their recording, as NAME.labels.csv. "
+        "To make them: neurotouch label FILE",
     )
 
 

@@ -694,7 +694,7 @@ def test_what_cannot_be_written_says_what_is_needed(home):
     home.write_text("no folder")
     output, code = run("profile", "new", "mine")
     assert code == 6
-    assert output.endswith("It needs the right to write there.")
+    assert f"See what each part of its path is: namei -l {home}" in output
 
 
 def test_a_version_with_errors_is_put_back_with_a_warning(home):
