@@ -6,7 +6,6 @@ library is imported here, so that ``neurotouch panic`` is there at once.
 """
 
 import json
-import os
 import socket
 import time
 from collections.abc import Callable, Iterable, Sequence
@@ -20,6 +19,7 @@ from neurotouch_hid.players import (
     SERVICE_FOLDER,
     explain_start,
     find_socket,
+    has_socket,
     is_service_folder,
     list_runtime_folders,
 )
@@ -130,7 +130,7 @@ def ask_every(command: str, players: Iterable[int]) -> list[Reached]:
 
 def _call_at_once(send: Callable[[int, Path], None], folders: list[tuple[int, Path]]) -> None:
     """Calls a function for each folder; for those with a socket at the same time."""
-    others = [each for each in folders if os.path.lexists(find_socket(each[1]))][1:]
+    others = [each for each in folders if has_socket(each[1])][1:]
     threads = []
     if others:  # a panic must be there at once, and mostly there is one driver
         from threading import Thread  # noqa: PLC0415

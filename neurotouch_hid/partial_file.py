@@ -5,6 +5,7 @@ Every file that a person names is written here.
 
 import errno
 import os
+import shlex
 import stat
 from pathlib import Path
 from types import TracebackType
@@ -108,8 +109,26 @@ def suggest_fix(error: OSError) -> str:
             return "Make room on this disk, then try again."
         case errno.EROFS:
             return "This disk is read-only, often after an error. Restart the machine."
+        case errno.EACCES | errno.EPERM:
+            return explain_missing_right(error, "write there")
         case _:
-            return "It needs the right to write there."
+            return f"See what each part of its path is: {_show_path(error)}"
+
+
+def explain_missing_right(error: OSError, to: str) -> str:
+    """Returns what to do where a right is missing.
+
+    Args:
+        error: what the system said.
+        to: what the right is for: ``read it`` or ``write there``.
+    """
+    return f"Get the right to {to}. Who owns each part of its path: {_show_path(error)}"
+
+
+def _show_path(error: OSError) -> str:
+    """Returns the command that lists a path's folders with owner and mode."""
+    path = error.filename if isinstance(error.filename, str) else "PATH"
+    return f"namei -l {shlex.quote(path)}"
 
 
 def try_writing(path: Path) -> None:

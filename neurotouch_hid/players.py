@@ -44,9 +44,7 @@ def list_players() -> list[int]:
     if PLAYER in os.environ:
         return [find_player()]
     found = (
-        player
-        for player in map(int, PLAYERS)
-        if any(find_socket(folder).exists() for folder in list_runtime_folders(player))
+        player for player in map(int, PLAYERS) if any(map(has_socket, list_runtime_folders(player)))
     )
     return list(found) or [1]
 
@@ -107,6 +105,14 @@ def is_service_folder(folder: Path) -> bool:
 def find_socket(folder: Path) -> Path:
     """Returns the control socket in a driver's folder."""
     return folder / _SOCKET
+
+
+def has_socket(folder: Path) -> bool:
+    """Returns whether a driver's folder has a control socket; none in a folder closed to us.
+
+    A driver of root leaves such a folder in ``/run``.
+    """
+    return os.path.lexists(find_socket(folder))  # where Path.exists would raise PermissionError
 
 
 def list_runtime_folders(player: int | None = None) -> list[Path]:

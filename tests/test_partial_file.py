@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.cli.ui.output import save_json
+from neurotouch_hid.files.small_file import suggest_reading
 from neurotouch_hid.partial_file import PartialFile, suggest_fix, try_writing, write_whole
 
 ROOT = Path(__file__).parents[1]
@@ -175,3 +176,14 @@ def test_the_json_of_a_command_may_go_to_a_device(tmp_path):
 )
 def test_what_to_do_is_said_by_the_reason(number, fix):
     assert fix in suggest_fix(OSError(number, os.strerror(number)))
+
+
+def test_a_missing_right_is_explained_with_the_folders_above(tmp_path):
+    denied = PermissionError(errno.EACCES, "Permission denied", str(tmp_path / "my file"))
+    shown = f"Who owns each part of its path: namei -l '{tmp_path}/my file'"
+    assert suggest_fix(denied) == f"Get the right to write there. {shown}"
+    assert suggest_reading(denied) == f"Get the right to read it. {shown}"
+    assert "namei -l /x" in suggest_fix(NotADirectoryError(errno.ENOTDIR, "no folder", "/x"))
+    assert suggest_reading(IsADirectoryError(errno.EISDIR, "a folder", "x"), "Name a file.") == (
+        "Name a file."
+    )

@@ -24,7 +24,8 @@ def _bare(monkeypatch):
 
 def be(monkeypatch, user):
     """Only to this module: others of this process make files."""
-    monkeypatch.setattr(players, "os", SimpleNamespace(environ=os.environ, getuid=lambda: user))
+    known = SimpleNamespace(environ=os.environ, path=os.path, getuid=lambda: user)
+    monkeypatch.setattr(players, "os", known)
 
 
 def test_the_environment_names_the_player(monkeypatch):
@@ -51,6 +52,18 @@ def test_the_players_are_those_with_a_socket_or_the_first(monkeypatch, tmp_path)
     assert players.list_players() == [2, 4]
     monkeypatch.setenv("NEUROTOUCH_PLAYER", "3")
     assert players.list_players() == [3]
+
+
+def test_a_folder_that_root_has_closed_has_no_socket(monkeypatch, tmp_path):
+    closed = tmp_path / "closed"
+    closed.mkdir(mode=0o000)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(closed / "run"))
+    if os.getuid() == 0:  # who may enter every folder
+        os.seteuid(USER)
+    try:
+        assert players.list_players() == [1]
+    finally:
+        os.seteuid(os.getuid())
 
 
 def test_each_player_has_values_of_their_own(monkeypatch, tmp_path):

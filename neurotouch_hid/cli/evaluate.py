@@ -19,7 +19,11 @@ from neurotouch_hid.cli.ui.output import echo, save_json
     "  neurotouch evaluate play/*.aedat4 --method neurotouch --method paper --report play-report"
 )
 @click.argument(
-    "files", nargs=-1, required=True, type=click.Path(path_type=Path), metavar="FILE..."
+    "files",
+    nargs=-1,
+    required=True,
+    type=click.Path(path_type=Path, readable=False),
+    metavar="FILE...",
 )
 @click.option(
     "--method",

@@ -44,7 +44,10 @@ class LabellerName(click.ParamType):  # type: ignore[type-arg]  # generic from c
     "Every change is saved at once. Ctrl-C ends the page."
 )
 @click.argument(
-    "recording", type=click.Path(path_type=Path, dir_okay=False), metavar="FILE", required=True
+    "recording",
+    type=click.Path(path_type=Path, dir_okay=False, readable=False),
+    metavar="FILE",
+    required=True,
 )
 @click.option("--as", "labeller", type=LabellerName(), help="Your name, if several people label.")
 @click.option("--beside", type=LabellerName(), help="Show the labels of this person beside yours.")

@@ -12,6 +12,7 @@ from neurotouch_hid import __version__
 from neurotouch_hid.cli.ui.group import LazyGroup
 from neurotouch_hid.errors import NeuroTouchError, PluginError
 from neurotouch_hid.printable import make_lines_printable
+from neurotouch_hid.process.dead_output import print_error
 from neurotouch_hid.process.interrupts import (
     EXIT_INTERRUPTED,
     end_at_next_interrupt,
@@ -108,7 +109,7 @@ def main() -> None:
             raise  # with the traceback of the package's own error
         code = _tell(error.message, error.hint, error.exit_code)
     except click.exceptions.NoArgsIsHelpError as error:
-        error.show()
+        print_error(error.format_message())
         code = error.exit_code
     except click.UsageError as error:
         from neurotouch_hid.cli.ui.usage_errors import explain_usage
@@ -116,7 +117,7 @@ def main() -> None:
         error.ctx = error.ctx or _find_context(sys.argv[1:])
         code = _tell(*explain_usage(error), error.exit_code)
     except (KeyboardInterrupt, click.Abort):
-        click.echo("Stopped.", err=True)
+        print_error("Stopped.")
         code = EXIT_INTERRUPTED
     except BrokenPipeError:
         # The reader of our output is gone, as in `neurotouch demo | head`: nothing is wrong.
@@ -163,7 +164,7 @@ def _find_context(words: list[str]) -> click.Context:
 
 def _tell(message: str, hint: str | None, exit_code: int) -> int:
     """Prints an error and its fix; returns the exit code."""
-    click.echo(make_lines_printable(f"Error: {message}"), err=True)
+    print_error(make_lines_printable(f"Error: {message}"))
     if hint:
-        click.echo(make_lines_printable(f"Fix: {hint}"), err=True)
+        print_error(make_lines_printable(f"Fix: {hint}"))
     return exit_code

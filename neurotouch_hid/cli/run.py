@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     "  neurotouch run --profile spacecraft\n"
     "  neurotouch run --source file:play.aedat4 --speed max --device memory --trace play.jsonl\n"
     "  neurotouch run --source video:                   the webcam that shows a gel\n"
-    "  neurotouch run --copilot auto                    a game pad plays along\n"
+    "  neurotouch run --copilot auto                    a gamepad plays along\n"
     "  neurotouch run --player 2 --source davis:00000002 --device hid --profile racing\n\n"
     "Ctrl-C ends; the pad goes neutral first. Exit code 0 at the end, also after --seconds or\n"
     "Ctrl-C; 3 source, 4 recording, 5 no gel, 6 profile, 7 gamepad, 75 another driver runs."

@@ -189,7 +189,7 @@ class _Link(Closing):
     def _give(self, now_s: float) -> None:
         """Hands the settings over if the files have changed and a driver runs."""
         from neurotouch_hid.errors import NeuroTouchError
-        from neurotouch_hid.players import find_socket, list_runtime_folders
+        from neurotouch_hid.players import has_socket, list_runtime_folders
 
         files = _stamp_settings(self._player)
         if files == self._given:
@@ -197,7 +197,7 @@ class _Link(Closing):
         if files != self._tried:
             self._tried, self._give_s, self._pause_s = files, now_s, AGAIN_S
         folders = list_runtime_folders(self._player)
-        if now_s < self._give_s or not any(find_socket(each).exists() for each in folders):
+        if now_s < self._give_s or not any(map(has_socket, folders)):
             return
         with suppress(NeuroTouchError):
             if self._hand_over(self._player):

@@ -49,10 +49,10 @@ def _list_nuisances() -> None:
             place = nuisance.place
             echo(f"{place}:")
         strength = f"{nuisance.strength:g} {nuisance.unit}".strip()
-        echo(f"  {nuisance.name:<13}{strength:<16}{nuisance.what}")
+        echo(f"  {nuisance.name:<14}{strength:<16}{nuisance.what}")
     echo("mixtures:")
     for name, parts in MIXTURES.items():
-        echo(f"  {name:<13}{' '.join(f'{part}={strength:g}' for part, strength in parts.items())}")
+        echo(f"  {name:<14}{' '.join(f'{part}={strength:g}' for part, strength in parts.items())}")
 
 
 @click.command(

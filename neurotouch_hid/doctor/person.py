@@ -121,9 +121,8 @@ def check_sound() -> Finding:
     if found is None:
         package = "speech-dispatcher" if sound == "speech" else "pipewire-bin"
         return warn(
-            f"You want {sound}, but {' and '.join(programs)} {'are' if len(programs) > 1 else 'is'}"
-            " not installed.",
-            "Install it (Debian, Ubuntu).",
+            f"You want {sound}, but no program for it is installed: {', '.join(programs)}.",
+            "Install one (Debian, Ubuntu).",
             f"sudo apt install {package}",
         )
     return approve(f"{sound.capitalize()} are played through {found}.")

@@ -7,7 +7,12 @@ from typing import Final, NamedTuple
 from neurotouch_hid.client import ask
 from neurotouch_hid.driver.gel_settings import GelSettings
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, may_be_there, read_bytes
+from neurotouch_hid.files.small_file import (
+    MAX_SETTINGS_BYTES,
+    may_be_there,
+    read_bytes,
+    suggest_reading,
+)
 from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.printable import make_printable
@@ -163,7 +168,8 @@ def _read_file(path: Path) -> bytes:
     try:
         return read_bytes(path, MAX_SETTINGS_BYTES)
     except OSError as error:
-        raise ProfileError(f"'{name}' cannot be read: {error.strerror}.") from error
+        reason = f"'{name}' cannot be read: {error.strerror}."
+        raise ProfileError(reason, hint=suggest_reading(error)) from error
 
 
 def _ask_driver(player: int | None) -> ChosenGel:

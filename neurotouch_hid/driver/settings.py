@@ -68,7 +68,7 @@ class CopilotSettings(Strict):
 
     device: Annotated[str, Field(min_length=1, max_length=128)] | None = Field(
         default=None,
-        description="auto for the first game pad, the path of an event node, or a part of the "
+        description="auto for the first gamepad, the path of an event node, or a part of the "
         "name; 'neurotouch devices' shows them. Default: none.",
         json_schema_extra=make_optional(),
     )

@@ -10,6 +10,8 @@ import stat
 from pathlib import Path
 from typing import Final
 
+from neurotouch_hid.partial_file import explain_missing_right
+
 MAX_SETTINGS_BYTES: Final = 64 * 1024
 """No file of settings is larger; the shipped profiles have up to 5 kB."""
 
@@ -34,6 +36,17 @@ def may_be_there(path: Path) -> bool:
     except OSError:
         return True
     return True
+
+
+def suggest_reading(error: OSError, otherwise: str | None = None) -> str | None:
+    """Returns what to do where a file could not be read.
+
+    Args:
+        error: what the system, or ``read_bytes``, said.
+        otherwise: what to do where no right is missing.
+    """
+    is_denied = error.errno in (errno.EACCES, errno.EPERM)
+    return explain_missing_right(error, "read it") if is_denied else otherwise
 
 
 def read_text(path: Path, most: int) -> str:

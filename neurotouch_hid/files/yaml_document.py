@@ -39,9 +39,10 @@ _SPECIAL: Final[dict[str, Any]] = {
     **dict.fromkeys((".nan", ".NaN", ".NAN"), float("nan")),
 }
 _EMPTY: Final = ("", "~", "null", "Null", "NULL")
+_NO_LIST: Final = 'write "-" for a minus, or close a "[" before it'
 _SYNTAX: Final = (
-    ("sequence entries", "a '-' begins a list, which cannot be here", 'write "-" for a minus'),
-    ("found '-'", "a '-' begins a list, which cannot be here", 'write "-" for a minus'),
+    ("sequence entries", "a '-' begins a list, which cannot be here", _NO_LIST),
+    ("found '-'", "a '-' begins a list, which cannot be here", _NO_LIST),
     ("'\\t'", "a tab cannot indent or begin a value", "use spaces"),
     ("or ']'", "a '[' is opened and not closed before here", "write ']' after the last value"),
     ("or '}'", "a '{' is opened and not closed before here", "write '}' after the last value"),

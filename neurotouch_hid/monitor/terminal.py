@@ -20,6 +20,7 @@ LINE_INTERVAL_S = 0.3
 """Shortest time between two plain lines, so that a screen reader can follow."""
 _ARROWS = "→↘↓↙←↖↑↗"
 _BAR = 24
+_READINGS = 43  # columns beside the gel, for all bars and most sentences
 _BUTTONS = tuple(Button)
 _HALF = (len(_BUTTONS) + 1) // 2  # two rows, so that 80 columns are enough
 
@@ -127,7 +128,7 @@ class PictureMonitor:
         if self._step is None:
             return
         columns = shutil.get_terminal_size().columns  # a longer line would be two, and scroll
-        drawn = draw_step(self._step, self._title, self._begun_us or 0)
+        drawn = draw_step(self._step, self._title, self._begun_us or 0, columns)
         lines = [make_printable(line[:columns]) for line in drawn]
         up = f"\x1b[{self._height}A" if self._height else ""
         self._height = len(lines)
@@ -135,19 +136,20 @@ class PictureMonitor:
         self._out.flush()
 
 
-def draw_step(step: Step, title: str, begun_us: int = 0) -> list[str]:
+def draw_step(step: Step, title: str, begun_us: int = 0, columns: int = 80) -> list[str]:
     """Returns one step as lines of text, 15 rows of gel with the readings beside it.
 
     Args:
         step: what to show.
         title: the first words.
         begun_us: the time of the first step; seconds are counted from there.
+        columns: width of the terminal; where both do not fit, the gel is left out.
     """
     gesture, pad = step.gesture, step.pad
     tracked = int(step.markers.valid.sum())
     right = [
         f"gesture    {describe_gesture(gesture)}",
-        f"intensity  {_bar(gesture.intensity_mm / 18)} {gesture.intensity_mm:5.1f} mm",
+        f"intensity  {gesture.intensity_mm:4.1f} mm {_bar(gesture.intensity_mm / 18)}",
         f"markers    {tracked} of {step.markers.gel.n_markers} tracked",
         f"gel        {explain_gel(step.gel).text}",
         *(f"{axis:<14} {_axis(axis, pad.axes.get(axis, 0.0))}" for axis in Axis),
@@ -158,6 +160,8 @@ def draw_step(step: Step, title: str, begun_us: int = 0) -> list[str]:
     gel = _gel(step)
     right += [""] * (len(gel) - len(right))
     head = f"NeuroTouch  {title}  {(gesture.t_us - begun_us) / 1e6:.2f} s"
+    if len(gel[0]) + _READINGS > columns:
+        return [head, "", *right]
     return [head, "", *(f"{g}   {r}" for g, r in zip(gel, right, strict=True))]
 
 

@@ -308,7 +308,7 @@ class Server:
             shown = await asyncio.wait_for(connection.recv(), TOKEN_S)
             said = read_object(shown)
             if said is None or not self._guard.knows(said.get("token")):
-                await connection.close(1008, "the token is wrong")
+                await connection.close(1008, "its link is wrong")
                 return
             if self._host.n_browsers >= MOST_BROWSERS:
                 await connection.close(1013, "too many viewers (4)")
@@ -317,7 +317,7 @@ class Server:
             hz = said.get("hz")
             await self._host.serve(Browser(connection), hz if isinstance(hz, int) else 30)
         except TimeoutError:
-            await connection.close(1008, "the token is missing")
+            await connection.close(1008, "its link is not complete")
         except ConnectionClosed:
             pass
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.printable import make_printable
-from neurotouch_hid.recording.container import DamageError, open_recording
+from neurotouch_hid.recording.container import DamageError, open_recording, refuse_reading
 from neurotouch_hid.recording.simulation import parse_comment
 from neurotouch_hid.recording.video import CODECS, Track, Video, decode, open_video
 
@@ -153,7 +153,7 @@ class Clip:
                 hint="Copy it again from its origin.",
             ) from error
         except OSError as error:
-            raise RecordingError(f"'{self.path}' cannot be read: {error.strerror}.") from error
+            raise refuse_reading(self.path, error) from error
         finally:
             os.close(descriptor)
 

@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Final, Self
 
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.files.small_file import open_regular
+from neurotouch_hid.files.small_file import open_regular, suggest_reading
 from neurotouch_hid.recording.compression import MAX_BYTES, TooLargeError, decompress
 from neurotouch_hid.recording.header import MAX_HEADER_BYTES, parse_header
 from neurotouch_hid.vocabulary import RECORDING_ENDINGS
@@ -121,7 +121,7 @@ class Container:
             raise self._refuse(error) from error
 
     def _refuse(self, error: OSError) -> RecordingError:
-        return RecordingError(f"'{self._path}' cannot be read: {error.strerror}.")
+        return refuse_reading(self._path, error)
 
 
 def open_recording(path: Path) -> int:
@@ -139,7 +139,13 @@ def open_recording(path: Path) -> int:
     except FileNotFoundError as error:
         raise RecordingError(f"There is no file '{path}'.", hint=_name_near(path)) from error
     except OSError as error:
-        raise RecordingError(f"'{path}' cannot be read: {error.strerror}.") from error
+        raise refuse_reading(path, error) from error
+
+
+def refuse_reading(path: Path, error: OSError) -> RecordingError:
+    """Returns the error about a file that is there and cannot be read."""
+    reason = f"'{path}' cannot be read: {error.strerror}."
+    return RecordingError(reason, hint=suggest_reading(error))
 
 
 def _name_near(path: Path) -> str:

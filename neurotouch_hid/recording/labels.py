@@ -14,7 +14,7 @@ import numpy as np
 
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.files.faults import SHOWN_COLUMNS
-from neurotouch_hid.files.small_file import read_text
+from neurotouch_hid.files.small_file import read_text, suggest_reading
 from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GestureKind, Truth
 from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.printable import make_printable
@@ -102,7 +102,8 @@ def check_labelled(recordings: Iterable[Path]) -> None:
 def _refuse_unlabelled(path: Path) -> RecordingError:
     return RecordingError(
         f"There is no file '{path}'.",
-        hint="Labels belong beside their recording, as NAME.labels.csv.",
+        hint="Labels belong beside their recording, as NAME.labels.csv. "
+        "To make them: neurotouch label FILE",
     )
 
 
@@ -125,7 +126,8 @@ def read_labels(path: Path | str, size_px: tuple[int, int] | None = None) -> lis
     except FileNotFoundError as error:
         raise _refuse_unlabelled(path) from error
     except OSError as error:
-        raise RecordingError(f"'{path}' cannot be read: {error.strerror}.") from error
+        reason = f"'{path}' cannot be read: {error.strerror}."
+        raise RecordingError(reason, hint=suggest_reading(error)) from error
     except csv.Error as error:
         raise RecordingError(f"'{path}' is not a CSV file: {error}.") from error
     if not truths:

@@ -319,6 +319,21 @@ def test_closed_outputs_are_as_if_nobody_read_them(tmp_path, words, closed):
     assert codes[1].stdout in (codes[0].stdout, b"")
 
 
+@pytest.mark.parametrize(
+    ("words", "code"), [("rnu", 2), ("status", 8), ("pause", 8), ("profile show nobody", 6)]
+)
+def test_an_error_that_nobody_can_read_has_its_exit_code(tmp_path, words, code):
+    environment = {
+        **os.environ,
+        "XDG_CONFIG_HOME": str(tmp_path),
+        "RUNTIME_DIRECTORY": str(tmp_path),
+    }
+    call = [sys.executable, "-m", "neurotouch_hid", *words.split()]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(call, stdout=full, stderr=full, check=False, env=environment)
+    assert done.returncode == code
+
+
 FAILING = """\
 import sys
 from neurotouch_hid.cli import devices

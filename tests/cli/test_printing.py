@@ -23,8 +23,7 @@ EVIL = "\x1b]0;owned\a\x1b[8m\u202e\x9b2K\x7f\udc80"
 CLI = Path(neurotouch_hid.__file__).with_name("cli")
 RAW = {
     "ui/output.py": 6,  # the one place
-    "main.py": 4,  # before any command is imported
-    "shared/send_without_click.py": 4,  # without click; errors and client made it printable
+    "main.py": 1,  # before any command is imported
     "monitor.py": 1,  # these three draw over their own last lines
     "record_progress.py": 3,
     "doctor.py": 1,  # a script

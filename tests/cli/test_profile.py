@@ -234,6 +234,9 @@ def test_what_is_exported_has_nothing_of_the_person(home, tmp_path):
     assert run("profile", "export", "mine", "--output", path, "--force", "--user", user)[1] == 0
     assert "slots" in user.read_text(encoding="utf-8")
     assert "/" not in user.read_text(encoding="utf-8").split("\n", 1)[0]
+    other = tmp_path / "other.yaml"
+    assert run("profile", "export", "mine", "--output", other, "--user", user)[1] == 6
+    assert not other.exists()  # nothing is written where a part is refused
 
 
 def test_an_import_shows_what_it_does_and_asks(home, tmp_path):
@@ -691,7 +694,7 @@ def test_what_cannot_be_written_says_what_is_needed(home):
     home.write_text("no folder")
     output, code = run("profile", "new", "mine")
     assert code == 6
-    assert output.endswith("It needs the right to write there.")
+    assert f"See what each part of its path is: namei -l {home}" in output
 
 
 def test_a_version_with_errors_is_put_back_with_a_warning(home):

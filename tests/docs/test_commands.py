@@ -8,6 +8,7 @@ from pathlib import Path
 
 import click
 import pytest
+from click.testing import CliRunner
 from markdown_it import MarkdownIt
 
 from neurotouch_hid.cli.main import cli
@@ -117,3 +118,24 @@ def test_every_kind_of_source_is_on_the_page_of_commands():
 def test_every_scene_is_on_the_page_of_commands():
     page = (ROOT / "docs" / "commands.md").read_text()
     assert [name for name in scene_names() if f"`{name}`" not in page] == []
+
+
+@pytest.mark.parametrize("name", ["access.md", "play.md", "profiles.md", "troubleshooting.md"])
+def test_a_page_can_be_typed_from_top_to_bottom(name, tmp_path, monkeypatch):
+    """Each command about profiles works after those above it, with ``y`` for every question."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "config"))
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))  # where no driver is
+    calls = [call for _, call in commands_of((ROOT / "docs" / name).read_text())]
+    if not any(call.startswith("neurotouch profile new mine") for call in calls):
+        calls.insert(0, "neurotouch profile new mine --template default")
+    calls = [call for call in calls if call.startswith("neurotouch profile ")]
+    failed = []
+    for call in calls:
+        words = words_of(call)
+        if words[1] == "edit" or (len(words) == 2 and words[1] not in ("list", "check")):
+            continue  # it asks in a loop; only the command is named
+        done = CliRunner().invoke(cli, words, input="y\n" * 5)
+        if done.exit_code not in (0, 1) or (done.exception and done.exit_code == 1):
+            failed.append((call, done.output, done.exception))
+    assert failed == []

@@ -13,7 +13,7 @@ def seen(guest):
 
 
 def test_without_a_game_pad_nobody_plays_along(seen):
-    assert seen["none"]["message"] == "No game pad is plugged in."
+    assert seen["none"]["message"] == "No gamepad is plugged in."
 
 
 def test_our_own_pad_is_never_taken(seen):

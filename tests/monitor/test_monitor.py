@@ -214,12 +214,15 @@ def test_picture_shows_gel_gesture_and_pad():
 def test_picture_fits_eighty_columns_and_never_wraps(monkeypatch):
     assert max(map(len, draw_step(PUSH, "sim:test"))) <= 80
     monkeypatch.setenv("COLUMNS", "40")
+    assert "\n".join(draw_step(PUSH, "sim:test", columns=40)).count("·") == 0
     out = io.StringIO()
     monitor = PictureMonitor(out, "sim:test")
     monitor(PUSH)
     monitor.close()
     rows = re.sub(r"\x1b\[[?\w]*", "", out.getvalue()).replace("\r", "").splitlines()
     assert max(map(len, rows)) == 40
+    assert {"gesture    push left 4.2 mm, 1 finger", "markers    177 of 177 tracked"} <= set(rows)
+    assert any(row.startswith("intensity   4.2 mm ") for row in rows)
 
 
 def test_picture_gives_the_cursor_back():

@@ -13,7 +13,7 @@ import pytest
 from neurotouch_hid.partial_file import write_whole
 from tests.page.conftest import PROFILE
 from tests.page.processes import LIMIT_S, Driver, Process, View
-from tests.page.waiting import wait_on
+from tests.page.waiting import wait_for, wait_on
 
 
 def wait_for_say(page, words: str) -> str:
@@ -523,3 +523,15 @@ def test_a_frozen_or_killed_page_never_touches_the_line(tmp_path, folder):
         view.process.kill()
         driver.end()
     assert "Traceback" not in driver.said
+
+
+@pytest.mark.parametrize("path", ["", "live", "gel", "game"])
+@pytest.mark.parametrize(
+    ("secret", "said"), [("", "link is missing"), ("#k=wrong", "its link is wrong")]
+)
+def test_a_page_without_its_whole_link_says_what_to_open(view, open_page, path, secret, said):
+    page = open_page(f"{view.root}{path}{secret}")
+    wait_for(page, "notice", said)
+    assert page.inner_text("#notice").endswith(
+        "Open NeuroTouch again, or the whole link that the terminal shows."
+    )

@@ -80,7 +80,7 @@ trigger, button, dpad, key, mouse, layer, command
         """\
         p.yaml:5:30: error[NT102]: bindings[0].do.sign: a '-' begins a list, which cannot be here
              5 |     do: {axis: left_y, sign: - , deadzone: 0.1}
-               |                              ^ write "-" for a minus""",
+               |                              ^ write "-" for a minus, or close a "[" before it""",
     ),
 ]
 

@@ -51,7 +51,7 @@ _MODULES = {
     summaries=_SUMMARIES,
     epilog="\b\nExamples:\n"
     "  neurotouch profile list\n"
-    "  neurotouch profile new mine --template racing\n"
+    "  neurotouch profile new mine --template default\n"
     "  neurotouch profile edit mine                       questions and answers, no YAML\n"
     "  neurotouch profile set mine push.curve.expo 0.4\n"
     '  neurotouch profile bind mine "pinch hold" "toggle button a"\n'

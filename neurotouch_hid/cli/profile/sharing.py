@@ -65,8 +65,11 @@ def export(
                 "You have no values of your own yet.", hint="Make them: neurotouch calibrate"
             )
         files[user_path] = forget_schema(read_text(find_user_file())[0])
+    for target in () if force else files:
+        if target.exists():
+            raise ProfileError(f"'{target}' exists already.", hint="Add --force to overwrite it.")
     for target, text in files.items():
-        _write(target, text, force=force)
+        _write(target, text)
     notes = tuple(
         f"{profile.name} is built on your own '{base}': export that too."
         for base in (checked.written.extends if checked.written is not None else ())
@@ -85,11 +88,9 @@ def export(
         echo(f"WARNING {note}", err=True)
 
 
-def _write(path: Path, text: "ProfileText", *, force: bool) -> None:
+def _write(path: Path, text: "ProfileText") -> None:
     from neurotouch_hid.partial_file import write_whole
 
-    if path.exists() and not force:
-        raise ProfileError(f"'{path}' exists already.", hint="Add --force to overwrite it.")
     try:
         write_whole(path, text.encode())
     except OSError as error:
@@ -105,7 +106,7 @@ def _write(path: Path, text: "ProfileText", *, force: bool) -> None:
     "  neurotouch profile import friend.yaml --name racing-2 --yes\n"
     "  neurotouch profile import --user me.yaml         your own values, on another machine",
 )
-@click.argument("file", type=click.Path(path_type=Path))
+@click.argument("file", type=click.Path(path_type=Path, readable=False))
 @click.option("--name", help="What to call it. Default: the name in the file.")
 @click.option("--user", "is_user", is_flag=True, help="FILE has your own values, not a profile.")
 @click.option("--yes", is_flag=True, help="Do not ask.")

@@ -4,12 +4,12 @@ In an emergency nothing but the standard library is imported before it, not even
 """
 
 import json
-import sys
 from collections.abc import Iterable
 
 from neurotouch_hid.client import NOT_RUNNING, Reached, ask_every, wait_until_ended
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.players import list_players
+from neurotouch_hid.process.dead_output import print_answer, print_error
 
 
 def send_command(command: str, *, as_json: bool = False, on_desktop: bool = False) -> int:
@@ -41,7 +41,7 @@ def send_command(command: str, *, as_json: bool = False, on_desktop: bool = Fals
 
 
 def _tell(text: str, *, as_json: bool) -> None:
-    print(json.dumps({"status": "OK", "message": text}) if as_json else text)
+    print_answer(json.dumps({"status": "OK", "message": text}) if as_json else text)
 
 
 def _tell_nobody(command: str, error: DriverError, *, as_json: bool, on_desktop: bool) -> int:
@@ -87,11 +87,11 @@ def _tell_failure(name: str, error: DriverError, *, as_json: bool, on_desktop: b
     """Tells why a driver refused, and returns the exit code."""
     message = name + error.message
     if as_json:
-        print(json.dumps({"status": "FAILED", "message": message, "fix": error.hint}))
+        print_answer(json.dumps({"status": "FAILED", "message": message, "fix": error.hint}))
     else:
-        print(f"Error: {message}", file=sys.stderr)
+        print_error(f"Error: {message}")
         if error.hint:
-            print(f"Fix: {error.hint}", file=sys.stderr)
+            print_error(f"Fix: {error.hint}")
     if on_desktop:
         from neurotouch_hid.cli.ui.notification import notify
 

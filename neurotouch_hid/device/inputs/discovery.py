@@ -21,7 +21,7 @@ def find_copilot(wanted: str) -> Input:
     """Returns the device that matches a person's words.
 
     Args:
-        wanted: ``auto`` for the first game pad, the path of an event node, or a part of a name.
+        wanted: ``auto`` for the first gamepad, the path of an event node, or a part of a name.
 
     Raises:
         DeviceError: there is none, or more than one has this in its name.
@@ -44,7 +44,7 @@ def find_copilot(wanted: str) -> Input:
     if not found:
         others = _list([each for each in inputs if each.keys])
         raise DeviceError(
-            "No game pad is plugged in."
+            "No gamepad is plugged in."
             if wanted == AUTO
             else f"There is no input device '{wanted}' (our own pads do not count).",
             hint=f"Use one of these: {others}."

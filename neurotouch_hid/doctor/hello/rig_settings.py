@@ -9,7 +9,7 @@ from pydantic import Field
 
 from neurotouch_hid.driver.gel_file import ChosenGel, parse_gel
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, suggest_reading
 from neurotouch_hid.files.zip_parts import read_parts
 from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Gel, Rig
 from neurotouch_hid.printable import make_printable
@@ -177,7 +177,8 @@ def load_rig(path: Path) -> RigFile:
     try:
         parts = read_parts(path, (FILE, GEL_FILE), MAX_SETTINGS_BYTES)
     except OSError as error:
-        raise RecordingError(f"'{name}' cannot be read: {error.strerror}.", hint=hint) from error
+        reason = f"'{name}' cannot be read: {error.strerror}."
+        raise RecordingError(reason, hint=suggest_reading(error, hint)) from error
     if FILE not in parts:
         raise RecordingError(f"'{name}' has no {FILE} in it.", hint=hint)
     settings = parse_settings(parts[FILE], f"{name}/{FILE}", RigSettings)

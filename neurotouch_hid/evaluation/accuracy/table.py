@@ -75,7 +75,7 @@ def _format_amount(report: Mapping[str, Any]) -> str:
     return (
         f"{report['observations']} slices compared, {report['frames']} frames, "
         f"{report['events']} events"
-        + (f"; {speed:.1f} s of recording in 1 s, on one core." if speed is not None else ".")
+        + (f"; {speed:.1f} times as fast as recorded, on one core." if speed is not None else ".")
     )
 
 

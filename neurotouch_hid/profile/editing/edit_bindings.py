@@ -41,7 +41,7 @@ def bind(
         if len(set(thresholds)) > 1:
             raise ProfileError(
                 "This gesture has several bindings, each with a threshold of its own.",
-                hint=f"Say which: the gesture, then 'from {thresholds[0]} mm'.",
+                hint=f'Say which, in quotes, as in: "pinch from {thresholds[0]} mm".',
             )
         return text.replace((*keys, same[0], "do"), do)
     return text.append(keys, {"when": when, "do": do})

@@ -9,7 +9,12 @@ from pathlib import Path
 from pydantic import BaseModel
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, find_real_path, read_bytes
+from neurotouch_hid.files.small_file import (
+    MAX_SETTINGS_BYTES,
+    find_real_path,
+    read_bytes,
+    suggest_reading,
+)
 from neurotouch_hid.players import find_machine_folder, find_user_file
 from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.editing.edit_values import reset_value
@@ -214,7 +219,7 @@ def read_text(path: Path) -> tuple[ProfileText, bytes]:
     except OSError as error:
         raise ProfileError(
             f"'{make_printable(str(path))}' cannot be read: {error.strerror}.",
-            hint="Check the name.",
+            hint=suggest_reading(error, "Check the name."),
         ) from None
     try:
         return ProfileText(content.decode("utf-8"), make_printable(str(path))), content

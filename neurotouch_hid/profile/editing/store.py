@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.errors import ProfileError
-from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes
+from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes, suggest_reading
 from neurotouch_hid.partial_file import suggest_fix, write_whole
 from neurotouch_hid.printable import make_printable
 
@@ -311,5 +311,5 @@ class Store:
 
 def _fail(path: Path, what: str, error: OSError) -> ProfileError:
     reason = error.strerror or str(error)
-    hint = None if what == "read" else suggest_fix(error)
+    hint = suggest_reading(error) if what == "read" else suggest_fix(error)
     return ProfileError(f"'{make_printable(str(path))}' cannot be {what}: {reason}.", hint=hint)

@@ -14,6 +14,7 @@ from neurotouch_hid.files.small_file import (
     find_real_path,
     may_be_there,
     read_bytes,
+    suggest_reading,
 )
 from neurotouch_hid.files.yaml_document import Node, find_mark, parse_document
 from neurotouch_hid.players import find_machine_folder, find_user_file
@@ -359,5 +360,5 @@ def _read(path: Path) -> bytes:
     except OSError as error:
         raise ProfileError(
             f"The profile file {path} cannot be read: {error.strerror}.",
-            hint="Give the path of a .yaml file.",
+            hint=suggest_reading(error, "Give the path of a .yaml file."),
         ) from None

@@ -3,6 +3,7 @@
 const KEY = "neurotouch-token";
 const AGAIN_MS = 1000;
 const MOST_MARKERS = 400;
+const OPEN_AGAIN = "Open NeuroTouch again, or the whole link that the terminal shows.";
 const decoder = new TextDecoder();
 
 // The token arrives in the fragment, which browsers send to no server and in no referrer. It moves
@@ -59,8 +60,7 @@ export function connect(hz, listeners) {
     socket.onclose = ({ code, reason }) => {
       if (code === 1008) {
         ended = true;
-        call("lost", `The server refuses this page: ${reason || "the token is wrong"}. ` +
-          "Open the link that the terminal shows.");
+        call("lost", `The server refuses this page: ${reason || "its link is wrong"}. ${OPEN_AGAIN}`);
       } else if (code === 1013) {
         call("lost", "Too many viewers (4). Close one.");
       } else {
@@ -73,7 +73,8 @@ export function connect(hz, listeners) {
   if (token) {
     open();
   } else {
-    call("lost", "This page needs its token: open the link that the terminal shows.");
+    // Once the page is ready to hear it.
+    queueMicrotask(() => call("lost", `A part of this page's link is missing. ${OPEN_AGAIN}`));
   }
   keepToken(token);
   function send(message) {
