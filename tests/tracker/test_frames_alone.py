@@ -191,6 +191,23 @@ def drag(ways_px):
     return tracker, places_px
 
 
+def coast(ways_px, after_us):
+    """Returns where a finger's own dot is told to be some time after the last of these frames."""
+    tracker, _ = drag(ways_px)
+    end_us = 16_000 * len(ways_px)
+    packet = EventPacket(end_us, end_us + after_us, np.empty(0, EVENT_DTYPE))
+    middle = int(AWAY_PX.argmin())
+    return float(tracker.update(packet).position_px[middle, 0] - REST_PX[middle, 0])
+
+
+def test_a_gel_that_comes_back_does_not_go_beyond_rest():
+    """What is left halves from frame to frame; a quick hand then lets go at once."""
+    back = 16.0 * 0.5 ** np.arange(8)
+    left = [coast((0.0, 8.0, 16.0, *back[:k]), 8_000) / back[k - 1] for k in range(4, 8)]
+    assert min(left) > 0.6  # the truth is 0.65; the velocity alone gives 0.53
+    assert coast((0.0, 8.0, 16.0, 9.0, 0.5), 8_000) >= 0.0
+
+
 def count_mistaken(tracker, places_px):
     state = tracker._tracks.state
     return int((np.hypot(*(np.column_stack([state["x"], state["y"]]) - places_px).T) > 5.0).sum())

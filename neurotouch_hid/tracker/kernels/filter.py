@@ -16,7 +16,7 @@ from neurotouch_hid.tracker.kernels.slow_motion import (
     is_due,
     needs_steps,
 )
-from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, aim, predict
+from neurotouch_hid.tracker.kernels.tracks import SECOND, Tracks, Tuning, aim, go_on, predict
 
 BLOCK = 512  # events whose markers are found before the events move these markers
 MIN_TRUST = 0.05  # a marker that seems to be at rest still follows its events, slowly
@@ -268,7 +268,10 @@ def filter_slice(
         common.next_check_us += tuning.check_us
     start = filter_events(events, start, until_us, tracks, tuning)
     now_px = np.empty(position_px.shape)
-    predict(float(until_us), tuning.memory_s, tracks, now_px)
+    if common.frames_alone:
+        go_on(float(until_us), tuning.memory_s, tracks, now_px)
+    else:
+        predict(float(until_us), tuning.memory_s, tracks, now_px)
     for i in range(len(valid)):
         position_px[i, 0], position_px[i, 1] = now_px[i, 0], now_px[i, 1]
         valid[i] = not tracks.lost[i]

@@ -1,5 +1,6 @@
 """The state of the markers, and the compiled loops that move them."""
 
+import math
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -158,6 +159,24 @@ def predict(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.flo
         step = _fade(t_us - s.t_us, memory_s)
         out_px[i, 0] = s.x + s.vx * step
         out_px[i, 1] = s.y + s.vy * step
+
+
+@kernel
+def go_on(t_us: float, memory_s: float, tracks: Tracks, out_px: NDArray[np.float64]) -> None:
+    """Writes where every marker is at ``t_us`` after frames alone, (n, 2) float64 px.
+
+    A gel that comes back stops at rest, but its velocity is that between two frames, when it was
+    faster. So it slows down in proportion to the way that is left, and never goes beyond rest.
+    """
+    for i in range(len(tracks.state)):
+        s, rest_px = tracks.state[i], tracks.rest_px[i]
+        step = _fade(t_us - s.t_us, memory_s)
+        x, y = s.x - rest_px[0], s.y - rest_px[1]
+        back = -step * (s.vx * x + s.vy * y)
+        if back > 0.0:
+            back /= x * x + y * y  # the share of the way that it would go at its velocity
+            step *= -math.expm1(-back) / back
+        out_px[i, 0], out_px[i, 1] = s.x + s.vx * step, s.y + s.vy * step
 
 
 @kernel(inline="always")
