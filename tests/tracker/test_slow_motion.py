@@ -11,6 +11,7 @@ from neurotouch_hid.tracker.kernels.slow_motion import (
     FEW_STEPS,
     OFTEN_US,
     SELDOM_US,
+    SHOWN,
     SLOW_PX_S,
     STEPS_PER_PX,
     follow_steps,
@@ -73,6 +74,20 @@ def test_fast_markers_are_followed_by_the_places_of_their_events(tracks):
     px_s = 10.0 * SLOW_PX_S
     moved_px = follow(tracks, (STEPS_PER_PX * px_s * CHECK_S, 0.0), 500)
     assert 0.0 < moved_px[:, 0].max() < 0.02 * px_s
+
+
+def test_in_flickering_light_steps_tell_less_of_what_places_have_shown(tracks):
+    """A quick motion stops: its last steps are still in the mean."""
+    quick = (STEPS_PER_PX * 60.0 * CHECK_S, 0.0)
+    after_px = []
+    for event_lag in (0.0, 0.45):
+        forget_steps(tracks)
+        tracks.common["event_lag"] = event_lag
+        follow(tracks, quick, 50, moved_px_s=(60.0, 0.0))
+        after_px.append(follow(tracks, (0.0, 0.0), 50)[:, 0])
+    steady_px, flickering_px = after_px
+    assert steady_px.min() > 0.1
+    assert np.allclose(flickering_px, (1.0 - SHOWN) * steady_px, rtol=0.03)
 
 
 def test_what_fires_beside_one_marker_alone_does_not_move_it(tracks):

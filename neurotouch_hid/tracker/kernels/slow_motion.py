@@ -31,6 +31,7 @@ MOST_PX = 5_000.0  # of motion that is remembered
 OFTEN_US = 20_000  # as long as steps are averaged; a slow marker goes by 0.3 px in it
 SELDOM_US = 100_000  # less than the past that is remembered
 FEW_STEPS = 8.0  # of a marker; it has moved by a tenth of a pixel
+SHOWN = 0.5  # of the motion that places of events show; a slow marker makes half of the usual steps
 
 
 @kernel
@@ -85,6 +86,10 @@ def follow_steps(
 
     A marker and its neighbours move alike, so their median limits what noise does to one.
 
+    Where a quick motion slows down, its last steps tell again what places of events have shown. In
+    steady light these places stop short by as much. In light that flickers they do not, so there
+    such steps do not count.
+
     Args:
         dt: time since the last call, s.
         before_px: (n, 2) float64 px, the positions then.
@@ -93,6 +98,7 @@ def follow_steps(
         tuning: of the filter.
     """
     common, steps_s, long_steps_s = tracks.common[0], tracks.steps_s, tracks.long_steps_s
+    moved_s, shown = tracks.moved_px_s, SHOWN if common.event_lag > 0.0 else 0.0
     n, usable, nothing = len(steps_s), ~tracks.lost, np.zeros(now_px.shape)
     around_s, long_around_s, spread = np.empty((n, 2)), np.empty((n, 2)), np.empty(n)
     _average(dt, before_px.ravel(), now_px.ravel(), tracks, tuning)
@@ -109,7 +115,8 @@ def follow_steps(
         trust = min(ALONE * math.sqrt((long_x * long_x + long_y * long_y) / own2), 1.0)
         x, y = px * (x + trust * (steps_s[i, 0] - x)), px * (y + trust * (steps_s[i, 1] - y))
         slow_s = dt / (1.0 + (x * x + y * y) / (SLOW_PX_S * SLOW_PX_S))
-        moves_px[i, 0], moves_px[i, 1] = slow_s * x, slow_s * y
+        moves_px[i, 0] = slow_s * (x - shown * moved_s[i, 0])
+        moves_px[i, 1] = slow_s * (y - shown * moved_s[i, 1])
     for i in range(n):
         x, y = moves_px[i, 0], moves_px[i, 1]
         if math.isfinite(x):
