@@ -131,9 +131,11 @@ def find_flicker(counts: NDArray[np.float64]) -> Flicker | None:
     total = float((counts * window).sum())
     off, on = np.fft.rfft(counts * window, 2 * N_BINS)
     hz = np.arange(len(on)) * 1e6 / kernels.BIN_US / (2 * N_BINS)
-    # Light gives both polarities a rhythm, each at its time. Vibration gives them the same one;
-    # a sensor that is read out makes events of one polarity.
-    size = np.minimum(np.abs(on - off), 2.0 * np.minimum(np.abs(on), np.abs(off)))
+    # Light gives both polarities a rhythm, each at its time. Vibration, and a hand that stops and
+    # goes on, give them the same one, though one polarity may be stronger. A sensor that is read
+    # out makes events of one polarity.
+    apart = np.abs(np.sin(0.5 * np.angle(on * off.conj())))
+    size = 2.0 * apart * np.minimum(np.abs(on), np.abs(off))
     size[hz < LOWEST_HZ] = 0.0
     peaks = np.flatnonzero((size[1:-1] >= size[:-2]) & (size[1:-1] > size[2:])) + 1
     if not total or not len(peaks):

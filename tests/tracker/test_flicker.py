@@ -1,5 +1,7 @@
 """Light that flickers is found, named and kept from the tracks."""
 
+import itertools
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -7,6 +9,7 @@ import pytest
 
 from neurotouch_hid.messages import EVENT_DTYPE
 from neurotouch_hid.source.simulator import Simulator
+from neurotouch_hid.source.simulator.hand_model import GuidedHand, HandCommand
 from neurotouch_hid.source.simulator.nuisances import light
 from neurotouch_hid.source.simulator.script import Finger, sequence
 from neurotouch_hid.tracker import MarkerTracker
@@ -62,6 +65,44 @@ def test_flicker_has_its_frequency(monkeypatch, hz, nuisances):
 def test_motion_vibration_noise_and_readout_are_no_flicker(nuisances):
     packets, _ = play(400_000, 50_000, nuisances)
     assert all(look(packets[:n]) is None for n in (4, 8, 16, 30, 40))
+
+
+def thin(packets, share):
+    """Returns packets of a sensor that makes only a share of the OFF events, as many do."""
+    rng = np.random.default_rng(5)
+    left = [packet.events["p"] | (rng.random(len(packet.events)) < share) for packet in packets]
+    return [
+        replace(packet, events=packet.events[keep])
+        for packet, keep in zip(packets, left, strict=True)
+    ]
+
+
+@pytest.mark.parametrize("nuisances", [{"music": 0.5}, {"fan": 0.3}])
+def test_vibration_is_no_flicker_where_one_polarity_is_weaker(nuisances):
+    """At 55 Hz and 48 Hz: both polarities still have their rhythm at the same time."""
+    packets = thin(play(900_000, 300_000, nuisances)[0], 0.5)
+    assert [look(packets[:n]) for n in range(30, 90, 6)] == [None] * 10
+
+
+def test_flicker_is_found_where_one_polarity_is_weaker():
+    found = look(thin(play(150_000, 400_000, {"mains": 60.0})[0], 0.5))
+    assert found is not None
+    assert found.hz == pytest.approx(100.0, abs=2.0)
+
+
+def test_a_hand_that_stops_and_goes_on_is_no_flicker():
+    """As the mouse gel's does, between two commands of its page."""
+    commands = (
+        HandCommand(down=True, push_x_mm=4.0 * math.sin(0.025 * k)) if k % 5 == 0 else None
+        for k in itertools.count()
+    )
+    hand = GuidedHand(lambda: next(commands), lambda _command, _t_us: None)
+    tracker = MarkerTracker()
+    for packet in Simulator(hand, seed=3):
+        tracker.update(packet)
+        assert tracker.flicker is None
+        if packet.t_end_us >= 3_000_000:
+            break
 
 
 def test_flicker_may_begin_and_end():
