@@ -21,7 +21,8 @@ LEAST_HZ = 10_000.0  # events per second, neither does less than this
 LEAST_IMBALANCE = 0.1  # of polarities in short times; less cannot be so much flicker
 CHANCE = 5.0  # standard deviations of a sum of random directions
 SINE_SHARE = np.pi / 4.0  # that the sum keeps if the light is a sine
-HARMONIC = 0.3  # a lower frequency that has this part of the strongest one is the true one
+HARMONIC = 0.3  # a lower frequency that has this part of the strongest one may be the true one
+NEAR = 0.75  # of the resolution: as far a multiple of the true one may be from the strongest
 PAUSE_US = 750_000  # from one look at steady light to the next; looking costs time
 LEAST_WIDTH = 1.0  # events, of any pixel, if most events are the light's
 PREVAILING = 0.5  # share of the events
@@ -140,9 +141,12 @@ def find_flicker(counts: NDArray[np.float64]) -> Flicker | None:
     peaks = np.flatnonzero((size[1:-1] >= size[:-2]) & (size[1:-1] > size[2:])) + 1
     if not total or not len(peaks):
         return None
-    first = peaks[size[peaks] >= HARMONIC * size[peaks].max()][0]
-    share = min(float(size[peaks].max()) / total / SINE_SHARE, 1.0)
-    events_hz = share * float(counts.sum()) / (n * kernels.BIN_US * 1e-6)
+    duration_s, top = n * kernels.BIN_US * 1e-6, peaks[size[peaks].argmax()]
+    lower = peaks[size[peaks] >= HARMONIC * size[top]]  # what is left of a motion has no multiple
+    off_hz = np.abs(np.rint(hz[top] / hz[lower]) * hz[lower] - hz[top])
+    first = lower[off_hz < NEAR / duration_s][0]
+    share = min(float(size[top]) / total / SINE_SHARE, 1.0)
+    events_hz = share * float(counts.sum()) / duration_s
     if share < max(LEAST_SHARE, CHANCE / np.sqrt(total)) or events_hz < LEAST_HZ:
         return None
     return Flicker(_interpolate(hz, size, int(first)), share, events_hz)

@@ -61,6 +61,17 @@ def test_flicker_has_its_frequency(monkeypatch, hz, nuisances):
     assert 0.4 * n_events < found.events_hz < 1.1 * n_events
 
 
+def test_a_hand_that_moves_does_not_change_the_frequency():
+    """What a motion leaves of low frequencies is not that of the light."""
+    weak = {"mains": 5.0, "mains-leak": 1.0, "fan": 0.03}
+    flicker, seen = FlickerFilter(), []
+    for packet in play(1_200_000, 300_000, weak)[0]:
+        flicker.update(packet.events, packet.t_begin_us, packet.t_end_us)
+        seen += [] if flicker.flicker is None else [flicker.flicker.hz]
+    assert len(seen) > 50
+    assert np.abs(np.array(seen) - 100.0).max() < 3.0
+
+
 @pytest.mark.parametrize("nuisances", [{}, {"music": 0.2}, {"noise": 15.0}, {"readout": 80.0}])
 def test_motion_vibration_noise_and_readout_are_no_flicker(nuisances):
     packets, _ = play(400_000, 50_000, nuisances)
