@@ -90,7 +90,7 @@ def thin(packets, share):
 
 @pytest.mark.parametrize("nuisances", [{"music": 0.5}, {"fan": 0.3}])
 def test_vibration_is_no_flicker_where_one_polarity_is_weaker(nuisances):
-    """At 55 Hz and 48 Hz: both polarities still have their rhythm at the same time."""
+    """Shaken at 55 and 24 Hz: both polarities still have their rhythm at the same time."""
     packets = thin(play(900_000, 300_000, nuisances)[0], 0.5)
     assert [look(packets[:n]) for n in range(30, 90, 6)] == [None] * 10
 

@@ -88,7 +88,7 @@ def follow_steps(
 
     Where a quick motion slows down, its last steps tell again what places of events have shown. In
     steady light these places stop short by as much. In light that flickers they do not, so there
-    such steps do not count.
+    a share of what they have shown is taken away.
 
     Args:
         dt: time since the last call, s.
