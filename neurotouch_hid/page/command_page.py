@@ -6,7 +6,6 @@ import time
 from collections import deque
 from collections.abc import Mapping, Sequence
 from functools import partial
-from types import TracebackType
 from typing import Any, Final, Self
 
 from neurotouch_hid.errors import NeuroTouchError
@@ -62,12 +61,7 @@ class CommandPage:
         self._host.is_ready.wait()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, error: object, trace: object) -> None:
         problem = error.message if isinstance(error, NeuroTouchError) else ""
         self.show(ended=True, problem=problem)
         self._host.end()

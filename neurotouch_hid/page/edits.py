@@ -9,7 +9,13 @@ from typing import Any, Final
 from neurotouch_hid.client import ask
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.page.handed_over import describe_effect, pass_on
-from neurotouch_hid.page.profile_view import Place, is_editable, list_places, say_when
+from neurotouch_hid.page.profile_view import (
+    Place,
+    is_editable,
+    list_places,
+    require_usable,
+    say_when,
+)
 from neurotouch_hid.page.reading import read_number
 from neurotouch_hid.profile import Profile, check_profile, list_profiles, load_unused
 from neurotouch_hid.profile.diagnostics import describe_target, describe_when
@@ -134,6 +140,7 @@ class Changes:
             ProfileError: there is none, or it has errors.
             DriverError: the running driver does not use it.
         """
+        require_usable(check_profile(name), name)
         stem, _, _ = make_favourite(name, self._stamp)
         said = pass_on(OWN_VALUES)
         with suppress(NotRunningError):
@@ -147,9 +154,10 @@ class Changes:
         A binding to a movement that the person does not use moves to a free movement, if any.
 
         Raises:
-            ProfileError: there is no such template.
+            ProfileError: there is no such template, or it has errors.
             DriverError: the running driver does not use it.
         """
+        require_usable(check_profile(template), template)
         known = list_profiles()
         names = ("mine", *(f"mine-{number}" for number in range(2, len(known) + 3)))
         name = next(name for name in names if name not in known)

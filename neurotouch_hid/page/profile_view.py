@@ -9,7 +9,7 @@ from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.own_values import load_usable_user
 from neurotouch_hid.players import find_user_file
-from neurotouch_hid.profile import check_profile
+from neurotouch_hid.profile import Checked, check_profile
 from neurotouch_hid.profile.diagnostics import (
     describe_condition,
     describe_target,
@@ -160,6 +160,18 @@ class ProfileFault(TypedDict):
     can_undo: bool
 
 
+def require_usable(checked: Checked[Profile], name: str) -> Profile:
+    """Returns a profile that has been checked.
+
+    Raises:
+        ProfileError: it has errors; the message is one to be read aloud, without marked lines.
+    """
+    if checked.whole is None:
+        fault = next(each for each in checked.faults if each.severity == "error")
+        raise ProfileError(f"The profile '{name}' cannot be used. {describe_fault(fault)}")
+    return checked.whole
+
+
 def describe_profile(path: Path, *, edit: bool) -> ProfileView:
     """Returns a profile for the page, ready for JSON.
 
@@ -172,10 +184,7 @@ def describe_profile(path: Path, *, edit: bool) -> ProfileView:
     """
     user = load_usable_user()
     checked = check_profile(path)
-    if checked.whole is None:
-        fault = next(each for each in checked.faults if each.severity == "error")
-        raise ProfileError(f"The profile '{path.stem}' cannot be used. {describe_fault(fault)}")
-    profile = checked.whole
+    profile = require_usable(checked, path.stem)
     places = list_places(checked.written) if isinstance(checked.written, Profile) else []
     filter_name = choose_filter(profile, user)
     return {

@@ -29,7 +29,7 @@ Request = dict[str, Any]
 """The message of a browser, which may hold anything: each value is checked where it is read."""
 
 Reply = PageMessage
-Handler = Callable[[Request, Path], Awaitable[Reply]]
+Handler = Callable[[Request], Awaitable[Reply]]
 
 REMOTE_S: Final = 3600.0
 """The access of another device to this page ends after this time."""
@@ -47,7 +47,6 @@ class Requests:
         changes: saves changes to profiles.
         own: saves changes to the person's own values.
         tell_all: sends a message to every browser.
-        remote_s: how long another device may use the page.
     """
 
     def __init__(
@@ -58,40 +57,43 @@ class Requests:
         changes: Changes,
         own: OwnValues,
         tell_all: Callable[[Reply], object],
-        remote_s: float = REMOTE_S,
     ) -> None:
         self._edit, self._is_far = edit, is_far
-        self._changes, self._own = changes, own
         self._tell_all = tell_all
         self._programs = Programs(self._hear_program)
         self._token = ""
         self._remote: Remote | None = None
-        self._remote_s = remote_s
         self._expiry: asyncio.TimerHandle | None = None
-        self._looks: dict[str, Handler] = {
-            "outputs": self._list_outputs,
-            "profiles": self._list_profiles,
-            "profile": self._show_profile,
-            "stop keys": self._list_stop_keys,
-            "picture": self._take_picture,
+        self._looks: dict[str, Callable[[Request, Path], Reply]] = {
+            "outputs": lambda _, file: {"outputs": _list_outputs(file)},
+            "profiles": lambda _request, _file: {"profiles": _describe_profiles()},
+            "profile": lambda request, _: _show_profile(_read_name(request)),
+            "stop keys": lambda _request, _file: {"stop_keys": _find_stop_keys()},
+            "picture": lambda _request, _file: {"picture": take_picture()},
         }
-        self._changers: dict[str, Handler] = {
-            "set": self._set,
-            "undo": self._undo,
-            "bind": self._bind,
-            "unbind": self._unbind,
-            "use": self._use,
-            "copy": self._copy,
+        self._savers: dict[str, Callable[[Request, Path], str]] = {
+            "set": lambda request, file: changes.set(
+                file, read_word(request, "key"), read_word(request, "mark"), request.get("value")
+            ),
+            "undo": lambda _, file: changes.undo(file),
+            "bind": lambda request, file: changes.bind(file, _read_wish(request)),
+            "unbind": lambda request, file: changes.unbind(file, read_word(request, "key")),
+            "use": lambda request, _: changes.use(_read_name(request)),
+            "copy": lambda request, _: changes.copy(_read_name(request)),
+            "own value": lambda request, _: own.set(
+                read_word(request, "name"), read_word(request, "value")
+            ),
+            "undo own values": lambda *_: own.undo(),
+            "undo calibration": lambda *_: own.undo_calibration(),
+            "mend own values": lambda *_: own.mend(),
+        }
+        self._handlers: dict[str, Handler] = {
             "pause": self._command,
             "resume": self._command,
             "start": self._start,
             "stop": self._stop,
             "answer": self._answer,
             "remote": self._let_in,
-            "own value": self._set_own,
-            "undo own values": self._undo_own,
-            "undo calibration": self._undo_calibration,
-            "mend own values": self._mend_own,
         }
 
     @property
@@ -112,58 +114,22 @@ class Requests:
         """
         verb = read_word(request, "do", "")
         if verb in self._looks:
-            return await self._looks[verb](request, file)
-        if verb not in self._changers:
+            return await asyncio.to_thread(self._looks[verb], request, file)
+        if verb not in self._savers and verb not in self._handlers:
             raise PageError("There is no such request.")
         if not self._edit:
             raise PageError(
                 "This page is read-only.", hint="To change things: neurotouch view --edit"
             )
-        return await self._changers[verb](request, file)
+        if verb in self._savers:
+            return {"saved": await asyncio.to_thread(self._savers[verb], request, file)}
+        return await self._handlers[verb](request)
 
     async def close(self) -> None:
         """Ends all programs that it has started."""
         await self._programs.close()
 
-    async def _set(self, request: Request, file: Path) -> Reply:
-        key, mark = read_word(request, "key"), read_word(request, "mark")
-        said = await asyncio.to_thread(self._changes.set, file, key, mark, request.get("value"))
-        return {"saved": said}
-
-    async def _undo(self, _request: Request, file: Path) -> Reply:
-        return {"saved": await asyncio.to_thread(self._changes.undo, file)}
-
-    async def _bind(self, request: Request, file: Path) -> Reply:
-        parts = ("movement", "press", "mode", "do_this", "layer", "instead")
-        wish = Wish(*(read_word(request, part, "") for part in parts))
-        return {"saved": await asyncio.to_thread(self._changes.bind, file, wish)}
-
-    async def _unbind(self, request: Request, file: Path) -> Reply:
-        key = read_word(request, "key")
-        return {"saved": await asyncio.to_thread(self._changes.unbind, file, key)}
-
-    async def _use(self, request: Request, _file: Path) -> Reply:
-        name = read_word(request, "profile")
-        return {"saved": await asyncio.to_thread(self._changes.use, _take_name(name))}
-
-    async def _copy(self, request: Request, _file: Path) -> Reply:
-        name = read_word(request, "profile")
-        return {"saved": await asyncio.to_thread(self._changes.copy, _take_name(name))}
-
-    async def _set_own(self, request: Request, _file: Path) -> Reply:
-        name, value = read_word(request, "name"), read_word(request, "value")
-        return {"saved": await asyncio.to_thread(self._own.set, name, value)}
-
-    async def _undo_own(self, _request: Request, _file: Path) -> Reply:
-        return {"saved": await asyncio.to_thread(self._own.undo)}
-
-    async def _undo_calibration(self, _request: Request, _file: Path) -> Reply:
-        return {"saved": await asyncio.to_thread(self._own.undo_calibration)}
-
-    async def _mend_own(self, _request: Request, _file: Path) -> Reply:
-        return {"saved": await asyncio.to_thread(self._own.mend)}
-
-    async def _command(self, request: Request, _file: Path) -> Reply:
+    async def _command(self, request: Request) -> Reply:
         """Pauses or resumes every driver of this player: the page shows the nearest one only."""
         reached = await asyncio.to_thread(ask_every, request["do"], [find_player()])
         for each in reached:
@@ -172,7 +138,7 @@ class Requests:
         # The next state says what is done, beside the button that takes it back.
         return {"saved": "" if reached[0].is_done else reached[0].text}
 
-    async def _start(self, request: Request, _file: Path) -> Reply:
+    async def _start(self, request: Request) -> Reply:
         name = read_word(request, "what")
         if name == "remote":
             raise PageError("There is no such program.")
@@ -187,7 +153,7 @@ class Requests:
         await self._programs.start(name)
         return {"started": name}
 
-    async def _stop(self, request: Request, _file: Path) -> Reply:
+    async def _stop(self, request: Request) -> Reply:
         name = read_word(request, "what")
         if name == "driver":  # started from here or elsewhere
             answer = await asyncio.to_thread(ask, "stop")
@@ -195,33 +161,11 @@ class Requests:
         await self._programs.stop(name)
         return {"stopped": name}
 
-    async def _answer(self, request: Request, _file: Path) -> Reply:
+    async def _answer(self, request: Request) -> Reply:
         self._programs.answer(read_word(request, "what"), read_word(request, "text"))
         return {}
 
-    async def _list_outputs(self, _request: Request, file: Path) -> Reply:
-        def look() -> list[OutputGroup]:
-            whole = check_profile(file).whole if file.is_file() else None
-            return list_outputs(whole if isinstance(whole, Profile) else None)
-
-        return {"outputs": await asyncio.to_thread(look)}
-
-    async def _list_profiles(self, _request: Request, _file: Path) -> Reply:
-        return {"profiles": await asyncio.to_thread(_describe_profiles)}
-
-    async def _show_profile(self, request: Request, _file: Path) -> Reply:
-        """Returns any profile of the list, which need not be the active one."""
-        name = _take_name(read_word(request, "profile"))
-        shown = await asyncio.to_thread(_describe_profile, list_profiles()[name])
-        return {"shown": shown, "name": name}
-
-    async def _list_stop_keys(self, _request: Request, _file: Path) -> Reply:
-        return {"stop_keys": await asyncio.to_thread(_find_stop_keys)}
-
-    async def _take_picture(self, _request: Request, _file: Path) -> Reply:
-        return {"picture": await asyncio.to_thread(take_picture)}
-
-    async def _let_in(self, _request: Request, _file: Path) -> Reply:
+    async def _let_in(self, _request: Request) -> Reply:
         """Serves the page to other devices, from a separate process, until it is stopped."""
         if self._is_far:
             raise PageError("Only the machine itself can give access to another device.")
@@ -233,7 +177,7 @@ class Requests:
             raise PageError(f"The secret cannot be kept: {error.strerror}.") from error
         command = ("view", "--edit", "--listen", address, "--token-file", str(path))
         await self._programs.start("remote", *command)
-        self._expiry = asyncio.get_running_loop().call_later(self._remote_s, self._end_remote)
+        self._expiry = asyncio.get_running_loop().call_later(REMOTE_S, self._end_remote)
         return {"started": "remote"}
 
     def _end_remote(self) -> None:
@@ -253,19 +197,35 @@ class Requests:
         elif found := _FAR_LINK.search(news["line"]):
             (find_runtime_folder() / _REMOTE_FILE).unlink(missing_ok=True)  # it has been read
             link = f"{found[1]}#k={self._token}"
-            self._remote = {"link": link, "code": draw_code(link), "minutes": self._remote_s / 60}
+            self._remote = {"link": link, "code": draw_code(link), "minutes": REMOTE_S / 60}
             self._tell_all({"remote": self._remote})
 
 
-def _take_name(name: str) -> str:
-    """Returns a name that is in the list of profiles; a browser cannot name a path.
+def _read_name(request: Request) -> str:
+    """Returns the profile of a request; a browser cannot name a path.
 
     Raises:
-        ProfileError: it is not in the list.
+        ProfileError: it is not in the list of profiles.
     """
+    name = read_word(request, "profile")
     if name not in list_profiles():
         raise ProfileError("There is no such profile.")
     return name
+
+
+def _read_wish(request: Request) -> Wish:
+    parts = ("movement", "press", "mode", "do_this", "layer", "instead")
+    return Wish(*(read_word(request, part, "") for part in parts))
+
+
+def _list_outputs(file: Path) -> list[OutputGroup]:
+    whole = check_profile(file).whole if file.is_file() else None
+    return list_outputs(whole if isinstance(whole, Profile) else None)
+
+
+def _show_profile(name: str) -> Reply:
+    """Returns any profile of the list, which need not be the active one."""
+    return {"shown": _describe_profile(list_profiles()[name]), "name": name}
 
 
 def _describe_profile(path: Path) -> ProfileView | ProfileFault:

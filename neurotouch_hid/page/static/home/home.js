@@ -161,6 +161,9 @@ function ask(request, place) {
 function lose() {
   newest = null;
   profiles.setPlayed("");
+  if (!listener.waits) return;
+  fresh = false; // there is no driver to resume
+  stopListening();
 }
 
 // 1 Start
@@ -340,8 +343,7 @@ const listener = makeListener((movement) => {
 find("by-doing").addEventListener("click", () => {
   trial.clear();
   if (listener.waits) {
-    listener.stop();
-    endListening();
+    stopListening();
     return;
   }
   fresh = newest !== null && newest.state === "running";
@@ -358,6 +360,16 @@ find("by-doing").addEventListener("click", () => {
   find("measure").disabled = true;
   say("saved", "Make the movement on the gel, and lift your fingers. The gamepad is paused meanwhile.");
 });
+
+document.addEventListener("keydown", (event) => {
+  if (event.key === "Escape" && listener.waits) stopListening();
+});
+
+function stopListening() {
+  listener.stop();
+  say("saved", "");
+  endListening();
+}
 
 function endListening() {
   find("by-doing").textContent = "Make a movement to change it";

@@ -59,7 +59,7 @@ export function makeTimeline({ whole, near, bar, go, reach }) {
     for (const [name, kinds, top] of rows) {
       drawRow(context, kinds, width, window, top, kinds === recording.others ? 14 : 20);
       context.fillStyle = colour("soft");
-      context.fillText(name, 2, top - 4);
+      context.fillText(name, 2, top - 6);
     }
     context.strokeStyle = colour("warm");
     context.lineWidth = 2;

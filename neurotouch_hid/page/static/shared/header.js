@@ -97,6 +97,11 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
     if (news.length) speech.tell(news.join(" "));
   }
 
+  function forgetWhat() {
+    parts.key = "";
+    parts.badges.replaceChildren();
+  }
+
   // It is said once: numbers in its sentence may go on changing.
   function showGel({ found, problem, text, fix }) {
     const isFine = !problem || problem === "waiting";
@@ -136,6 +141,7 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
         driver = "waiting";
         gel = null;
         parts.gel.hidden = true;
+        forgetWhat();
         show("none");
         showState();
       } else if (shown === "none") {
@@ -150,6 +156,7 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
     },
     lost(sentence) {
       show("lost");
+      forgetWhat();
       notice("connection", sentence);
     },
   };

@@ -124,6 +124,8 @@ export function prepareCanvas(canvas) {
   return { context, width, height };
 }
 
+/* A colour of the style sheet as a canvas takes it: a canvas knows no forced colours, and would
+   draw white dots on white where the person's "CanvasText" and its own "Canvas" are both white. */
 let colours = null;
 export function colour(name) {
   if (!colours) {
@@ -134,6 +136,14 @@ export function colour(name) {
       matchMedia(query).addEventListener("change", forget, { once: true });
     }
   }
-  colours[name] ??= getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+  colours[name] ??= resolve(`var(--${name})`);
   return colours[name];
+}
+
+function resolve(value) {
+  const probe = document.body.appendChild(document.createElement("i"));
+  probe.style.cssText = `color: ${value}; forced-color-adjust: none`;
+  const { color } = getComputedStyle(probe);
+  probe.remove();
+  return color;
 }

@@ -131,7 +131,7 @@ export function makeMark({ binding, mark, value, box, place, read, save, edit, w
   let now = value;
   let saved = value;
   let timer = 0;
-  let grip = [0, 0]; // offset of the pointer from the true place of the handle
+  let readAt = null; // the value at a pointer; only its way counts, for the page may move meanwhile
   const isBend = mark === "expo" || mark === "power";
   const unit = isBend ? "" : " mm";
 
@@ -168,15 +168,13 @@ export function makeMark({ binding, mark, value, box, place, read, save, edit, w
       handle.focus();
       handle.setPointerCapture(event.pointerId);
       handle.classList.add("held");
-      const { left, top, width, height } = box.getBoundingClientRect();
+      const { width, height } = box.getBoundingClientRect();
       const [x, y] = place(now);
-      grip = [event.clientX - left - x * width, event.clientY - top - (y ?? 0) * height];
+      const from = { x: x - event.clientX / width, y: (y ?? 0) - event.clientY / height };
+      readAt = ({ clientX, clientY }) => read(from.x + clientX / width, from.y + clientY / height);
     });
     handle.addEventListener("pointermove", (event) => {
-      if (!handle.hasPointerCapture(event.pointerId)) return;
-      const { left, top, width, height } = box.getBoundingClientRect();
-      const [x, y] = [event.clientX - grip[0] - left, event.clientY - grip[1] - top];
-      move(read(x / width, y / height));
+      if (handle.hasPointerCapture(event.pointerId)) move(readAt(event));
     });
     const release = () => {
       handle.classList.remove("held");
