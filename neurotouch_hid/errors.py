@@ -3,6 +3,7 @@
 The exit codes of the command line::
 
     NeuroTouchError            1   anything else that we can explain
+    ├── EndOfInputError        1   the standard input has ended before a question was answered
     ├── SourceError            3   a source cannot be opened or has failed
     │   ├── CameraError        3   the camera cannot be found, opened or used
     │   │   └── CameraBusyError  75  another program has the camera, which goes on undisturbed
@@ -36,6 +37,16 @@ class NeuroTouchError(Exception):
         self.message = make_lines_printable(message)
         self.hint = None if hint is None else make_lines_printable(hint)
         super().__init__(self.message)
+
+
+class EndOfInputError(NeuroTouchError):
+    """A question cannot be answered, because the standard input has ended."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "The input has ended, so no more questions can be answered.",
+            hint="Run this command in a terminal.",
+        )
 
 
 class SourceError(NeuroTouchError):

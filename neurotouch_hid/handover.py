@@ -4,14 +4,23 @@ A driver of this person reads the files itself; the system's service may not, an
 the standard library is imported here.
 """
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from neurotouch_hid.client import ask
-from neurotouch_hid.errors import DriverError, NotRunningError
+from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
-from neurotouch_hid.players import find_config_folder, find_user_file, list_players
+from neurotouch_hid.players import (
+    find_config_folder,
+    find_user_file,
+    has_socket,
+    list_players,
+    list_runtime_folders,
+    look_into,
+)
+from neurotouch_hid.vocabulary import NAME_PATTERN
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +50,13 @@ def hand_over(player: int | None = None) -> Handover:
     active: list[str] = []
     refused: Handover | None = None
     for number in list_players() if player is None else [player]:
+        if not any(map(has_socket, list_runtime_folders(number))):
+            continue
         try:
             answer = ask("settings", player=number, **collect_settings(number))
         except NotRunningError:
             continue
-        except DriverError as error:
+        except (DriverError, ProfileError) as error:
             text = f"The running driver does not play it: {error.message}"
             refused = refused or Handover("refused", text, error.hint or "")
             continue
@@ -61,11 +72,19 @@ def hand_over(player: int | None = None) -> Handover:
 def collect_settings(player: int) -> dict[str, Any]:
     """Returns a player's settings as the question ``settings`` takes them.
 
-    Files that are no text are left out: they cannot be played, and a command that names them says
-    so.
+    Files that are no text, or have no name of a profile, are left out: they cannot be played, and
+    a command that names them says so.
+
+    Raises:
+        ProfileError: the folder of profiles is there and cannot be looked into. To hand over none
+            would delete the service's copies.
     """
     folder = find_config_folder()
-    texts = {path.stem: _read(path) for path in sorted(folder.glob("profiles/*.yaml"))}
+    texts = {
+        path.stem: _read(path)
+        for path in look_into(folder / "profiles")
+        if path.suffix == ".yaml" and re.fullmatch(NAME_PATTERN, path.stem)
+    }
     return {
         "folder": str(folder),
         "user": _read(find_user_file(player)),

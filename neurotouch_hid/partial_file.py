@@ -8,7 +8,6 @@ import os
 import shlex
 import stat
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 
@@ -69,12 +68,7 @@ class PartialFile:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, *_: object) -> None:
         if kind is None:
             self.commit()
         else:

@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import Final
 
-from neurotouch_hid.errors import DriverError
+from neurotouch_hid.errors import DriverError, ProfileError
 
 PLAYER: Final = "NEUROTOUCH_PLAYER"
 PLAYERS: Final = ("1", "2", "3", "4")
@@ -67,12 +67,54 @@ def find_user_file(player: int | None = None, folder: Path | None = None) -> Pat
     return (folder if player == 1 else folder / f"player-{player}") / "user.yaml"
 
 
+def find_home() -> Path:
+    """Returns this user's home folder.
+
+    Raises:
+        ProfileError: neither ``HOME`` nor the machine's list of users names one.
+    """
+    home = Path(os.path.expanduser("~"))  # noqa: PTH111  a Path would raise RuntimeError
+    if not home.is_absolute():
+        raise ProfileError(
+            "Your home folder is not known, so there is no place for settings.",
+            hint="Set the variable HOME to the whole path of a folder of yours.",
+        )
+    return home
+
+
 def find_config_folder() -> Path:
-    """Returns the folder of all settings of this user; it need not exist."""
+    """Returns the folder of all settings of this user; it need not exist.
+
+    Raises:
+        ProfileError: as ``find_home``.
+    """
     config = Path(os.environ.get("XDG_CONFIG_HOME", ""))
     if not config.is_absolute():  # the XDG specification: a relative path is to be ignored
-        config = Path("~/.config").expanduser()
+        config = find_home() / ".config"
     return config / "neurotouch"
+
+
+def look_into(folder: Path) -> list[Path]:
+    """Returns the paths in a folder of settings, sorted; nothing where there is no such folder.
+
+    ``Path.glob`` finds nothing also where nobody may look.
+
+    Raises:
+        ProfileError: the folder is there and cannot be looked into.
+    """
+    try:
+        paths = sorted(folder.iterdir())
+        os.stat(f"{folder}/.")  # noqa: PTH116  a Path drops the dot, which needs the right to search
+    except (FileNotFoundError, NotADirectoryError):
+        return []
+    except OSError as error:
+        from neurotouch_hid.partial_file import explain_missing_right  # noqa: PLC0415
+
+        raise ProfileError(
+            f"The folder '{folder}' cannot be looked into: {error.strerror}.",
+            hint=explain_missing_right(error, "look into it"),
+        ) from None
+    return paths
 
 
 def find_machine_folder() -> Path:

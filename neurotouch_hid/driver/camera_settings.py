@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile.editing import ProfileText, Store, read_text, set_value
 from neurotouch_hid.profile.reading import load_settings
-from neurotouch_hid.profile.schema import Strict, check_version, give_unit, make_optional
+from neurotouch_hid.profile.schema import SettingsFile, Strict, give_unit, make_optional
 from neurotouch_hid.source.camera_config import CameraConfig
 from neurotouch_hid.source.davis.config import Biases, DavisConfig
 from neurotouch_hid.source.davis.registers import CoarseFine
@@ -149,14 +149,9 @@ class EventsSettings(Strict):
     )
 
 
-class CameraSettings(Strict):
+class CameraSettings(SettingsFile):
     """The file ``camera.yaml``."""
 
-    version: Annotated[int, AfterValidator(check_version)] = Field(
-        default=1,
-        description="The version of this format: 1. Default: 1.",
-        json_schema_extra={"const": 1},
-    )
     exposure_us: Annotated[int, Field(ge=10, le=1_000_000)] = Field(
         default=_USUAL.exposure_us,
         description="Exposure of a frame: more if frames are dark. Default: 4000.",

@@ -1,7 +1,7 @@
 """Chooses profile and values as long as nobody has asked for another profile."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from neurotouch_hid.driver.options import DriverOptions
 from neurotouch_hid.driver.people import People, Person
@@ -24,6 +24,12 @@ class Chosen(NamedTuple):
     profile: Profile
     user: UserSettings
     person: Person | None = None
+
+
+NOTHING: Final = Chosen(
+    "nothing", Profile.model_construct(name="nothing", bindings=[]), UserSettings.model_construct()
+)
+"""A profile without bindings. It is not checked, so no model is compiled for it."""
 
 
 def choose_first(

@@ -11,10 +11,10 @@ from neurotouch_hid.device import Device, check_device, open_device
 from neurotouch_hid.driver.admission import Guests
 from neurotouch_hid.driver.attachments import Attachments
 from neurotouch_hid.driver.check import check_copilot
-from neurotouch_hid.driver.chosen import Chosen, choose_first
+from neurotouch_hid.driver.chosen import NOTHING, Chosen, choose_first
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.gel_file import choose_gel
-from neurotouch_hid.driver.kernel_loading import load_kernels
+from neurotouch_hid.driver.kernel_loading import load_kernels, share_compiling
 from neurotouch_hid.driver.last_gel import LastGel
 from neurotouch_hid.driver.missing_dots import MissingDots
 from neurotouch_hid.driver.options import DriverOptions
@@ -57,6 +57,8 @@ class Driver(Closing):
         make_device: makes the pad; called as ``open_device`` is.
         guests: looks up the other users who may give commands; without, only this user and root.
         people: a service's settings of the people at the machine.
+        pads: the profile maps the gestures; without, it is not even loaded, ``steps`` gives neutral
+            pad states, and there is nothing to ``run``.
 
     Attributes:
         source: the open source.
@@ -87,6 +89,7 @@ class Driver(Closing):
         make_device: Callable[..., Device] = open_device,
         guests: Guests | None = None,
         people: People | None = None,
+        pads: bool = True,
     ) -> None:
         require_type("options", options, DriverOptions, "DriverOptions(source=...)")
         self.options = options
@@ -96,6 +99,7 @@ class Driver(Closing):
         self._make_device = make_device
         self._guests = guests
         self._people = people
+        self._has_pads = pads
         self._attachments: Attachments | None = None
         self._stop = Event()
         self._closing = ExitStack()
@@ -122,8 +126,9 @@ class Driver(Closing):
     def compile(self) -> None:
         """Compiles every kernel for this processor, without a pad."""
         self._choose()
-        self._load_kernels()
-        self._make_source().close()  # which compiles what reads the camera
+        with share_compiling(self.options, self.gel):
+            self._load_kernels()
+            self._make_source().close()  # which compiles what reads the camera
 
     def reload(self) -> None:
         """Loads the profile and the person's values again; safe in a signal handler."""
@@ -175,25 +180,24 @@ class Driver(Closing):
                 on_round=on_round,
             )
 
-    def steps(self, *, seconds: float | None = None, pads: bool = True) -> Iterator[Step]:
+    def steps(self, *, seconds: float | None = None) -> Iterator[Step]:
         """Gives each Step as it comes; the pad is not written.
 
         Args:
             seconds: ends after this much sensor time.
-            pads: the profile maps the gestures; without, it has no part, and the pad state of each
-                Step is neutral.
 
         Raises:
             NeuroTouchError: the driver is not open.
         """
         self._require_open()
-        return self._advance(seconds, pads=pads)
+        return self._advance(seconds)
 
-    def _advance(self, seconds: float | None, *, pads: bool) -> Iterator[Step]:
+    def _advance(self, seconds: float | None) -> Iterator[Step]:
         packets = self.source if seconds is None else cut_off(self.source, seconds)
+        advance = self.pipeline.advance if self._has_pads else self.pipeline.recognize
         for packet in packets:
             self._require_open()
-            step = self.pipeline.advance(packet) if pads else self.pipeline.recognize(packet)
+            step = advance(packet)
             yield step
             self.pipeline.process_frames(step)
 
@@ -298,7 +302,9 @@ class Driver(Closing):
         return True
 
     def _choose(self) -> Chosen:
-        chosen = choose_first(self.options, self._people, self._announce)
+        chosen = NOTHING
+        if self._has_pads:
+            chosen = choose_first(self.options, self._people, self._announce)
         self.profile = chosen.profile
         options = self.options
         self.gel, self._gel_file = choose_gel(

@@ -1,5 +1,6 @@
 """The gel before the camera: which file describes it, and what that says."""
 
+import os
 from base64 import b64decode
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -10,6 +11,7 @@ from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.small_file import (
     MAX_SETTINGS_BYTES,
     may_be_there,
+    means_path,
     read_bytes,
     suggest_reading,
 )
@@ -58,15 +60,6 @@ def load_gel_file(path: Path | None) -> GelFile:
     return GelFile(parse_settings(content, name, GelSettings), content, name)
 
 
-def load_gel(path: Path) -> Gel:
-    """Returns the gel of a file.
-
-    Raises:
-        ProfileError: there is no such file, or it is wrong; every mistake has line and column.
-    """
-    return _read(path).gel
-
-
 def find_gel_folder(player: int | None = None) -> Path:
     """Returns the folder of the person's gel files; of a service, the machine's."""
     return find_user_file(player).parent
@@ -88,9 +81,9 @@ def find_gel_file(
     if chosen == PAPER_GEL.name:
         return None
     if chosen is not None:
-        is_path = "/" in chosen or chosen.endswith((".yaml", ".yml"))
         own = find_gel_folder(player) / f"{chosen}{SUFFIX}"
-        return Path(chosen).expanduser() if is_path else own
+        # A Path would raise RuntimeError for the home of an unknown user.
+        return Path(os.path.expanduser(chosen)) if means_path(chosen) else own  # noqa: PTH111
     kind = find_source_kind(source)
     if kind is SourceKind.SIMULATION:
         return None
@@ -128,7 +121,9 @@ def choose_gel(
     if chosen is None and source == RUNNING_DRIVER:
         return _ask_driver(player)
     path = find_gel_file(chosen, source, player, personal=personal)
-    return ChosenGel(PAPER_GEL, b"") if path is None else _read(path)
+    if path is None:
+        return ChosenGel(PAPER_GEL, b"")
+    return parse_gel(_read_file(path), make_printable(str(path)))
 
 
 def parse_gel(content: bytes, name: str) -> ChosenGel:
@@ -142,15 +137,6 @@ def parse_gel(content: bytes, name: str) -> ChosenGel:
         ProfileError: it is wrong; every mistake has line and column.
     """
     return ChosenGel(parse_settings(content, name, GelSettings).make(), content)
-
-
-def _read(path: Path) -> ChosenGel:
-    """Returns the gel of a file.
-
-    Raises:
-        ProfileError: it is missing or wrong.
-    """
-    return parse_gel(_read_file(path), make_printable(str(path)))
 
 
 def _read_file(path: Path) -> bytes:

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Final, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.driver.making_settings import Making
@@ -21,8 +21,8 @@ from neurotouch_hid.geometry import (
     place_square,
 )
 from neurotouch_hid.profile.schema import (
+    SettingsFile,
     Strict,
-    check_version,
     give_unit,
     make_optional,
     make_schema,
@@ -167,14 +167,9 @@ class Layout(Strict):
         return pitch_mm, pitch_mm
 
 
-class GelSettings(Strict):
+class GelSettings(SettingsFile):
     """The file ``gel.yaml``."""
 
-    version: Annotated[int, AfterValidator(check_version)] = Field(
-        default=1,
-        description="The version of this format: 1. Default: 1.",
-        json_schema_extra={"const": 1},
-    )
     name: Annotated[str, Field(pattern=NAME_PATTERN)] = Field(
         default="own", description="What you call the gel. Default: own."
     )

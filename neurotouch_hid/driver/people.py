@@ -123,10 +123,10 @@ class People:
             ) from error
 
 
-def find_people_folder(player: int | None = None) -> Path:
+def find_people_folder() -> Path:
     """Returns where a service keeps people's settings: systemd names its folder of state."""
     state = os.environ.get("STATE_DIRECTORY", "").split(":")[0]
-    return (Path(state) if state else find_runtime_folder(player)) / "people"
+    return (Path(state) if state else find_runtime_folder()) / "people"
 
 
 def _read_settings(settings: dict[str, Any], player: int | None) -> tuple[str, dict[str, str]]:

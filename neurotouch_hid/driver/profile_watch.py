@@ -14,13 +14,13 @@ from neurotouch_hid.driver.chosen import Chosen, load_chosen
 from neurotouch_hid.driver.people import Person
 from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
-from neurotouch_hid.files.small_file import find_real_path
+from neurotouch_hid.files.small_file import find_real_path, means_path
 from neurotouch_hid.profile import Profile, UserSettings, load_profile, load_user
 from neurotouch_hid.profile.reading import (
     find_profile,
     find_shipped_folder,
     find_values,
-    list_profile_folders,
+    list_changeable_folders,
 )
 from neurotouch_hid.runtime.pipeline_control import PipelineControl
 
@@ -272,15 +272,15 @@ class ProfileWatch:
         self._announce(f"The profile '{chosen.profile.name}' {what}.")
 
     def _read_stamps(self, name: str) -> dict[Path, Stamp]:
-        """Returns the stamps of a profile, of its base profiles, and of the person's values.
+        """Returns the stamps of a profile, of all that it may build on, and of the person's values.
 
         Files that are not there have none. Shipped profiles change with the program only.
         """
         paths = [find_values(self._player, self._folder)]
-        with suppress(ProfileError):
-            paths.append(find_profile(name, self._folder))
+        if means_path(name):
+            paths.append(Path(name))
         with suppress(OSError):
-            for folder in list_profile_folders(self._folder)[:-1]:
+            for folder in list_changeable_folders(self._folder):
                 paths += folder.glob("*.yaml")
         stamps = {}
         for path in paths:

@@ -3,27 +3,22 @@
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
 from neurotouch_hid.device.outputs.identity import choose_identity
 from neurotouch_hid.errors import DeviceError, ProfileError
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile.reading import load_settings
-from neurotouch_hid.profile.schema import Strict, check_version, make_optional
+from neurotouch_hid.profile.schema import SettingsFile, make_optional
 from neurotouch_hid.vocabulary import NAME_PATTERN, SourceKind, find_source_kind
 
 FILE: Final = "service.yaml"
 _CAMERA: Final = r"^([A-Za-z0-9._-]{1,64}|video:[^\x00-\x1f\x7f]{0,128})$"
 
 
-class ServiceSettings(Strict):
+class ServiceSettings(SettingsFile):
     """The choices of the service; the values of the hand are beside it, in ``user.yaml``."""
 
-    version: Annotated[int, AfterValidator(check_version)] = Field(
-        default=1,
-        description="The version of this format: 1. Default: 1.",
-        json_schema_extra={"const": 1},
-    )
     profile: Annotated[str, Field(pattern=NAME_PATTERN)] | None = Field(
         default=None,
         description="The profile at the start. Default: the first of the favourites, slots in "
@@ -58,29 +53,25 @@ class ServiceSettings(Strict):
         return camera if is_video else f"davis:{camera}"
 
 
-def find_service_file(player: int | None = None) -> Path:
+def find_service_file() -> Path:
     """Returns the file of these choices; it need not exist."""
-    return find_user_file(player).with_name(FILE)
+    return find_user_file().with_name(FILE)
 
 
-def load_service_settings(player: int | None = None) -> ServiceSettings:
+def load_service_settings() -> ServiceSettings:
     """Returns the choices; the defaults if there is no file.
-
-    Args:
-        player: the player number; None means the one of the environment.
 
     Raises:
         ProfileError: the file says something we cannot do; every mistake has line and column.
     """
-    return load_settings(find_service_file(player), ServiceSettings)
+    return load_settings(find_service_file(), ServiceSettings)
 
 
-def check_service_settings(choices: ServiceSettings, player: int | None = None) -> None:
+def check_service_settings(choices: ServiceSettings) -> None:
     """Checks what only the pad's own modules can judge.
 
     Args:
         choices: what the file says.
-        player: the player number; None means the one of the environment.
 
     Raises:
         ProfileError: there is no such identity, or programs would misread it.
@@ -89,5 +80,5 @@ def check_service_settings(choices: ServiceSettings, player: int | None = None) 
         choose_identity(choices.identity, choices.device)
     except DeviceError as error:
         raise ProfileError(
-            f"{find_service_file(player)}: identity: {error.message}", hint=error.hint
+            f"{find_service_file()}: identity: {error.message}", hint=error.hint
         ) from error

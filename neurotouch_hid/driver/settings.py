@@ -10,8 +10,8 @@ from neurotouch_hid.device import is_input_name
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile.reading import load_settings
 from neurotouch_hid.profile.schema import (
+    SettingsFile,
     Strict,
-    check_version,
     give_unit,
     make_optional,
     parse_chord,
@@ -87,14 +87,9 @@ class CopilotSettings(Strict):
     )
 
 
-class DriverSettings(Strict):
+class DriverSettings(SettingsFile):
     """The file ``driver.yaml`` beside the person's own values."""
 
-    version: Annotated[int, AfterValidator(check_version)] = Field(
-        default=1,
-        description="The version of this format: 1. Default: 1.",
-        json_schema_extra={"const": 1},
-    )
     applications: Annotated[list[Application], Field(max_length=256)] = Field(
         default=[], description="Applications with a profile of their own. Default: none."
     )

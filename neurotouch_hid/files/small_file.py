@@ -24,6 +24,11 @@ _KINDS: Final = (
 )
 
 
+def means_path(text: str) -> bool:
+    """Returns whether a person who writes this means a file, not the name of something."""
+    return "/" in text or text.endswith((".yaml", ".yml"))
+
+
 def may_be_there(path: Path) -> bool:
     """Returns False only if there is certainly no such file; what else is wrong, reading it says.
 

@@ -81,10 +81,9 @@ class Node:
 class _RefusalError(Exception):
     """The text is refused here and now."""
 
-    def __init__(self, mark: Mark, sentence: str, hint: str = "") -> None:
+    def __init__(self, mark: Mark, sentence: str) -> None:
         self.mark = mark
         self.sentence = sentence
-        self.hint = hint
 
 
 def parse_document(text: str) -> tuple[Node | None, list[Fault]]:
@@ -99,7 +98,7 @@ def parse_document(text: str) -> tuple[Node | None, list[Fault]]:
         for event in YAML(typ="safe", pure=True).parse(text):
             builder.take(event)
     except _RefusalError as refusal:
-        return None, [builder.blame(refusal.mark, refusal.sentence, refusal.hint, "NT103")]
+        return None, [builder.blame(refusal.mark, refusal.sentence, "", "NT103")]
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = Mark(mark.line, mark.column) if mark else builder.last

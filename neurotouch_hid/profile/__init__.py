@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         load_unused,
         load_user,
     )
-    from neurotouch_hid.profile.rehearsal import TimelineEntry, perform, rehearse
+    from neurotouch_hid.profile.rehearsal import perform, rehearse
     from neurotouch_hid.profile.schema import Profile, UserSettings, profile_schema, user_schema
 else:
     __getattr__ = load_lazily(
@@ -33,7 +33,7 @@ else:
             "mapping": "Mapping",
             "reading": "Checked check_content check_profile check_user list_profiles "
             "load_profile load_unused load_user",
-            "rehearsal": "TimelineEntry perform rehearse",
+            "rehearsal": "perform rehearse",
             "schema": "Profile UserSettings profile_schema user_schema",
         },
     )
@@ -43,7 +43,6 @@ __all__ = [
     "Mapping",
     "MappingDecision",
     "Profile",
-    "TimelineEntry",
     "UserSettings",
     "check_content",
     "check_profile",

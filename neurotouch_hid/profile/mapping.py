@@ -221,7 +221,9 @@ class Mapping:
         return [
             (
                 make_runner(
-                    Binding(when=gesture.condition, do=CommandTarget(command=name)),
+                    Binding.model_construct(
+                        when=gesture.condition, do=CommandTarget.model_construct(command=name)
+                    ),
                     PRESETS["game"],
                     (),
                     self._log,

@@ -4,18 +4,18 @@ import ctypes
 import os
 import pwd
 import shutil
-import subprocess
 
 import pytest
 
 from neurotouch_hid.driver.admission import find_seated_users, is_admitted
+from tests.processes import run_command
 
 
 def ask_logind(*question: str) -> list[str]:
     """What loginctl says, in lines; nothing where there is no logind."""
     if not shutil.which("loginctl"):
         return []
-    said = subprocess.run(["loginctl", *question], capture_output=True, text=True, check=False)
+    said = run_command("loginctl", *question, code=None)
     return said.stdout.split()
 
 

@@ -25,6 +25,7 @@ from neurotouch_hid.driver import control_socket as control
 from neurotouch_hid.driver.control_socket import MAX_CLIENTS, ControlSocket
 from neurotouch_hid.errors import AlreadyRunningError, DriverError, NotRunningError
 from neurotouch_hid.players import find_runtime_folder, find_socket
+from tests.processes import run_command
 
 LIMIT_S = 60.0
 
@@ -254,9 +255,7 @@ def test_another_user_is_refused_even_where_the_files_would_let_them_in(tmp_path
         "except OSError: pass\n"  # refused before it was said
         "print(line.recv(65536).decode())"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code, str(served.parent)], capture_output=True, text=True, check=True
-    )
+    done = run_command(sys.executable, "-c", code, served.parent)
     answer = json.loads(done.stdout)
     assert answer["ok"] is False
     assert "another user" in answer["error"]
@@ -309,12 +308,7 @@ print(line.makefile().readline())
 
 
 def ask_as_nobody(path: Path) -> dict:
-    said = subprocess.run(
-        ["/usr/bin/python3", "-c", ASK_AS_NOBODY, str(path)],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    said = run_command("/usr/bin/python3", "-c", ASK_AS_NOBODY, path)
     return json.loads(said.stdout)
 
 

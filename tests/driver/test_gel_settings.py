@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.driver.control_socket import ControlSocket
-from neurotouch_hid.driver.gel_file import choose_gel, find_gel_file, find_gel_folder, load_gel
+from neurotouch_hid.driver.gel_file import choose_gel, find_gel_file, find_gel_folder
 from neurotouch_hid.errors import DriverError, NotRunningError, ProfileError
 from neurotouch_hid.geometry import PAPER_GEL
 
@@ -25,7 +25,7 @@ def folder(tmp_path, monkeypatch):
 def read(tmp_path: Path, text: str):
     path = tmp_path / "a.gel.yaml"
     path.write_text(text)
-    return load_gel(path)
+    return choose_gel(str(path)).gel
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ from neurotouch_hid.messages import (
 )
 from neurotouch_hid.recording.wire import receive_packets
 from tests.recording.streams import make_packets
+from tests.waiting import wait_until
 
 LIMIT_S = 60.0
 EMPTY = np.empty(0, EVENT_DTYPE)
@@ -51,13 +52,6 @@ def listen(packet_feed):
     thread.start()
     wait_until(lambda: len(packet_feed._subscribers) > before)
     return there, thread
-
-
-def wait_until(happened):
-    deadline = time.monotonic() + LIMIT_S
-    while not happened():
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
 
 
 def test_subscribers_get_every_packet_and_then_the_end(packet_feed):

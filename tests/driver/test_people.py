@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -18,7 +17,9 @@ from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.players import find_machine_folder
 from tests.driver.test_commands import make_commands
-from tests.driver.test_profile_watch import LIMIT_S, Driver
+from tests.driver.test_profile_watch import Driver
+from tests.processes import run_command
+from tests.waiting import wait_until
 
 ANNA, BEN = 61001, 61002
 
@@ -241,28 +242,21 @@ def test_a_command_of_a_real_person_changes_what_the_service_plays(service, seat
             seated[:] = [ANNA]
 
             def save(*command: str) -> dict:
-                done = subprocess.run(
-                    [
-                        *AS_ANNA,
-                        sys.executable,
-                        "-m",
-                        "neurotouch_hid",
-                        "profile",
-                        *command,
-                        "--json",
-                    ],
+                done = run_command(
+                    *AS_ANNA,
+                    sys.executable,
+                    "-m",
+                    "neurotouch_hid",
+                    "profile",
+                    *command,
+                    "--json",
                     env={
                         **os.environ,
                         "XDG_CONFIG_HOME": str(home),
                         "RUNTIME_DIRECTORY": str(folder / "run"),
                     },
-                    capture_output=True,
-                    text=True,
                     cwd="/",
-                    timeout=LIMIT_S,
-                    check=False,
                 )
-                assert done.returncode == 0, done.stdout + done.stderr
                 return json.loads(done.stdout)
 
             save("new", "mine", "--template", "push-only")
@@ -272,10 +266,7 @@ def test_a_command_of_a_real_person_changes_what_the_service_plays(service, seat
             service.until(lambda: service.watch.name == "mine")
             changed = save("set", "user", "filter", "strong")
             assert "It applies now" in changed["notes"][0], changed
-            deadline = time.monotonic() + LIMIT_S
-            while service.control.user.filter != "strong":
-                assert time.monotonic() < deadline
-                time.sleep(0.01)
+            wait_until(lambda: service.control.user.filter == "strong")
             seated[:] = [BEN, ANNA]  # somebody else sits at the first seat, she at another one
             late = save("set", "user", "filter", "light")
             assert late["status"] == "WARNING", late

@@ -15,6 +15,7 @@ from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import no_gesture
 from neurotouch_hid.profile import UserSettings, load_profile
 from neurotouch_hid.runtime import Pipeline, PipelineControl
+from tests.waiting import wait_until
 
 LIMIT_S = 60.0
 """Far more than the second that is promised: tests are not timed."""
@@ -64,10 +65,7 @@ class Driver:
         return {str(binding.do.button) for binding in bindings}
 
     def until(self, happened) -> None:
-        deadline = time.monotonic() + LIMIT_S
-        while not happened():
-            assert time.monotonic() < deadline, self.said
-            time.sleep(0.01)
+        wait_until(happened, lambda: self.said)
 
 
 @pytest.fixture

@@ -55,3 +55,11 @@ def test_missing_copilot_is_told_before_anything_is_loaded(order):
     with pytest.raises(DeviceError, match="'nosuch'"), Driver(options):
         pass
     assert order == []
+
+
+def test_without_pads_no_profile_is_loaded():
+    options = DriverOptions(source="sim:tour", profile="nosuch", device="memory", speed="max")
+    with Driver(options, pads=False) as opened:
+        steps = [*opened.steps(seconds=1.0)]
+    assert len(steps) == 100
+    assert all(step.pad.is_neutral for step in steps)

@@ -1,11 +1,10 @@
 """The service follows the windows that the session of the person at the machine tells."""
 
-import time
-
 import pytest
 
 from neurotouch_hid.driver.told_window import LEASE_S, MAX_CHARACTERS, ToldWindow
 from neurotouch_hid.errors import DriverError
+from tests.waiting import wait_until
 
 PERSON, OTHER = 1001, 1002
 GAME = {"profile": "racing", "window": "supertuxkart is in front (sway)"}
@@ -49,10 +48,7 @@ def test_nobody_else_is_believed(service):
 def test_who_leaves_the_seat_is_forgotten(service):
     service.window.tell(PERSON, GAME)
     service.seated = OTHER
-    deadline = time.monotonic() + 60
-    while service.followed[-1] is not None:
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    wait_until(lambda: service.followed[-1] is None)
     assert "supertuxkart" not in service.window.describe()
 
 

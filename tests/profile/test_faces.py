@@ -1,10 +1,11 @@
 """Other packages use the profile through the names that its packages offer."""
 
-import subprocess
 import sys
 from importlib import import_module
 
 import pytest
+
+from tests.processes import run_command
 
 FACES = ("calibration", "diagnostics", "editing", "engine", "reading", "rehearsal", "schema")
 
@@ -31,5 +32,5 @@ def test_every_name_that_is_offered_is_there(face):
 )
 def test_a_name_loads_only_its_own_module(line, unneeded):
     code = f"{line}; import sys; print(*sorted({unneeded!r} & sys.modules.keys()))"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = run_command(sys.executable, "-c", code)
     assert done.stdout.split() == []

@@ -1,10 +1,17 @@
 """Where profiles are found: installed, in a checkout, in the user's folder."""
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
 
+from neurotouch_hid.cli.ui.completing import complete_profile
 from neurotouch_hid.errors import DriverError, ProfileError
+from neurotouch_hid.handover import collect_settings
 from neurotouch_hid.players import explain_start, find_user_file
 from neurotouch_hid.profile import check_profile, list_profiles, load_profile
 from neurotouch_hid.profile.reading.library import (
@@ -67,6 +74,45 @@ def test_a_file_whose_name_is_none_is_told_with_a_free_one(user_folder: Path) ->
         "Übung X.yaml": "ubung-x-2.yaml",
         "日本.yaml": "profile.yaml",
     }
+
+
+@contextmanager
+def closed_folder(mode: int) -> Iterator[Path]:
+    """A person's folder of profiles for whoever has only these rights; root has all."""
+    with TemporaryDirectory(dir="/tmp") as home, pytest.MonkeyPatch.context() as patch:
+        Path(home).chmod(0o755)  # pytest's own is closed to strangers
+        patch.setenv("XDG_CONFIG_HOME", home)
+        patch.setenv("CONFIGURATION_DIRECTORY", f"{home}/none")
+        folder = find_user_folder()
+        folder.mkdir(parents=True)
+        (folder / "mine.yaml").write_text(TEXT.format("mine"))
+        folder.chmod(mode)
+        if os.getuid() == 0:
+            os.seteuid(61_999)
+        try:
+            yield folder
+        finally:
+            os.seteuid(os.getuid())
+            folder.chmod(0o700)
+
+
+@pytest.mark.parametrize("mode", [0o000, 0o300, 0o400])
+def test_a_folder_that_cannot_be_looked_into_is_told(mode) -> None:
+    with closed_folder(mode) as folder:
+        for look in (list_profiles, list_misnamed, partial(find_profile, "default")):
+            with pytest.raises(ProfileError, match=f"'{folder}' cannot be looked into: Per") as it:
+                look()
+            assert it.value.hint.startswith("Get the right to look into it.")
+        assert find_profile("./mine.yaml") == Path("mine.yaml")  # a path needs no folder
+        assert complete_profile(None, None, "") == []
+        with pytest.raises(ProfileError, match="cannot be looked into"):  # else it deletes copies
+            collect_settings(1)
+
+
+def test_a_file_that_no_name_leads_to_is_not_handed_over(user_folder: Path) -> None:
+    for name in ("mine", "Mine", ".#mine", "my profile"):
+        (user_folder / f"{name}.yaml").write_text(TEXT.format("mine"))
+    assert list(collect_settings(1)["profiles"]) == ["mine"]
 
 
 def test_the_list_is_sorted_and_skips_what_cannot_be_named(user_folder: Path) -> None:

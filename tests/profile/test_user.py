@@ -1,11 +1,15 @@
 """What belongs to the person: ranges, orientation, a hand that stays on the gel, and their file."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.messages import Axis, Button, Gesture, GestureKind
+from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile import Mapping, UserSettings, check_user, load_user, rehearse
+from neurotouch_hid.profile.editing import take_user
 from neurotouch_hid.profile.engine.personal_range import make_conversion
 from tests.profile.stage import make_profile, run
 
@@ -76,6 +80,16 @@ def test_a_folder_that_cannot_be_looked_into_is_a_fault_and_no_usual_hand(tmp_pa
     with pytest.raises(ProfileError, match="cannot be read: File name too long"):
         load_user(folder=tmp_path / ("x" * 300))
     assert load_user(folder=tmp_path / "none") == UserSettings()
+
+
+def test_another_thing_in_the_place_of_the_file_is_to_be_moved_away(monkeypatch, tmp_path) -> None:
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    file = find_user_file()
+    file.mkdir(parents=True)
+    for read in (load_user, partial(take_user, str)):
+        with pytest.raises(ProfileError, match="cannot be read: it is a folder") as caught:
+            read()
+        assert caught.value.hint.endswith(f"the defaults apply: mv {file} {file}.old")
 
 
 def test_the_file_has_defaults_faults_and_a_place(tmp_path) -> None:

@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     )
     from neurotouch_hid.profile.calibration.sentences import HoldTeller, describe_peak
     from neurotouch_hid.profile.calibration.session import CalibrationSession
-    from neurotouch_hid.profile.calibration.tremor import Tremor
     from neurotouch_hid.profile.calibration.unfinished import (
-        Progress,
         UnfinishedCalibration,
         describe_unfinished,
         find_unfinished_file,
@@ -33,8 +31,7 @@ else:
             "result": "LEAST_PEAKS WeakSide find_weak_sides undo_ranges write_ranges",
             "sentences": "HoldTeller describe_peak",
             "session": "CalibrationSession",
-            "tremor": "Tremor",
-            "unfinished": "Progress UnfinishedCalibration describe_unfinished find_unfinished_file",
+            "unfinished": "UnfinishedCalibration describe_unfinished find_unfinished_file",
         },
     )
 
@@ -42,9 +39,7 @@ __all__ = [
     "LEAST_PEAKS",
     "CalibrationSession",
     "HoldTeller",
-    "Progress",
     "Repetition",
-    "Tremor",
     "UnfinishedCalibration",
     "WeakSide",
     "describe_peak",

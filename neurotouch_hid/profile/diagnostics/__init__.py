@@ -10,7 +10,6 @@ from neurotouch_hid.lazy import load_lazily
 if TYPE_CHECKING:
     from neurotouch_hid.profile.diagnostics.codes import CODES, explain
     from neurotouch_hid.profile.diagnostics.description import (
-        describe_binding,
         describe_condition,
         describe_target,
         describe_when,
@@ -20,13 +19,12 @@ else:
         __name__,
         {
             "codes": "CODES explain",
-            "description": "describe_binding describe_condition describe_target describe_when",
+            "description": "describe_condition describe_target describe_when",
         },
     )
 
 __all__ = [
     "CODES",
-    "describe_binding",
     "describe_condition",
     "describe_target",
     "describe_when",

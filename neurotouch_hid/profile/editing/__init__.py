@@ -49,13 +49,12 @@ if TYPE_CHECKING:
         sample_response,
     )
     from neurotouch_hid.profile.editing.remapping import (
-        Remapping,
         list_substitutes,
         make_when,
         remap,
         remap_unused,
     )
-    from neurotouch_hid.profile.editing.store import Store, Version
+    from neurotouch_hid.profile.editing.store import Store
     from neurotouch_hid.profile.editing.summary import TOUR, summarize, summarize_binding
     from neurotouch_hid.profile.editing.yaml_values import format_value, parse_value
 else:
@@ -75,8 +74,8 @@ else:
             "key_paths": "list_key_paths name_bindings",
             "profile_text": "ProfileText",
             "questions": "GESTURES OUTPUTS PRESSES list_questions list_words sample_response",
-            "remapping": "Remapping list_substitutes make_when remap remap_unused",
-            "store": "Store Version",
+            "remapping": "list_substitutes make_when remap remap_unused",
+            "store": "Store",
             "summary": "TOUR summarize summarize_binding",
             "yaml_values": "format_value parse_value",
         },
@@ -90,10 +89,8 @@ __all__ = [
     "TOUR",
     "EditedFile",
     "ProfileText",
-    "Remapping",
     "SavedEffect",
     "Store",
-    "Version",
     "adopt",
     "bind",
     "compare",

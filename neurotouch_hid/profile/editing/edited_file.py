@@ -36,6 +36,7 @@ from neurotouch_hid.profile.reading.load import (
     check_user,
     load_unused,
     load_user,
+    suggest_moving,
 )
 from neurotouch_hid.profile.schema.profile import Profile
 from neurotouch_hid.profile.schema.user import UserSettings
@@ -166,7 +167,7 @@ def take_user(stamp: Stamp) -> EditedFile:
     path = find_user_file()
     store = Store(path, stamp, kept=10)
     if path.exists():
-        text, content = read_text(path)
+        text, content = read_text(path, suggest_moving(path))
         return EditedFile("user", store, content, text, UserSettings)
     schema = find_schema(path, "user-1.json")
     machine = find_user_file(folder=find_machine_folder())
@@ -208,8 +209,12 @@ def find_schema(path: Path, schema: str = "profile-1.json") -> str:
     return str(shipped)
 
 
-def read_text(path: Path) -> tuple[ProfileText, bytes]:
+def read_text(path: Path, otherwise: str = "Check the name.") -> tuple[ProfileText, bytes]:
     """Returns the text of a file, with its own ends of lines, and its bytes.
+
+    Args:
+        path: the file.
+        otherwise: the fix where it cannot be read although no right is missing.
 
     Raises:
         ProfileError: it is not a file, too large, or not UTF-8.
@@ -219,7 +224,7 @@ def read_text(path: Path) -> tuple[ProfileText, bytes]:
     except OSError as error:
         raise ProfileError(
             f"'{make_printable(str(path))}' cannot be read: {error.strerror}.",
-            hint=suggest_reading(error, "Check the name."),
+            hint=suggest_reading(error, otherwise),
         ) from None
     try:
         return ProfileText(content.decode("utf-8"), make_printable(str(path))), content

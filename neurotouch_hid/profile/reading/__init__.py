@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         find_profile,
         find_shipped_folder,
         find_user_folder,
+        list_changeable_folders,
         list_misnamed,
         list_profile_folders,
         list_profiles,
@@ -36,7 +37,7 @@ else:
         __name__,
         {
             "library": "OWN_VALUES find_profile find_shipped_folder find_user_folder "
-            "list_misnamed list_profile_folders list_profiles",
+            "list_changeable_folders list_misnamed list_profile_folders list_profiles",
             "load": "Checked check_content check_profile check_user find_values holds_values "
             "load_profile load_settings load_unused load_user parse_profile parse_settings",
         },
@@ -53,6 +54,7 @@ __all__ = [
     "find_user_folder",
     "find_values",
     "holds_values",
+    "list_changeable_folders",
     "list_misnamed",
     "list_profile_folders",
     "list_profiles",

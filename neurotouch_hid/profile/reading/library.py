@@ -10,7 +10,8 @@ from typing import Final
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.faults import suggest
-from neurotouch_hid.players import find_config_folder, find_machine_folder
+from neurotouch_hid.files.small_file import means_path
+from neurotouch_hid.players import find_config_folder, find_machine_folder, look_into
 from neurotouch_hid.printable import make_printable
 from neurotouch_hid.resources import PACKAGE_FOLDER, find_resources
 from neurotouch_hid.vocabulary import NAME_PATTERN
@@ -29,10 +30,18 @@ def find_user_folder(folder: Path | None = None) -> Path:
     return (folder or find_config_folder()) / "profiles"
 
 
+def list_changeable_folders(folder: Path | None = None) -> list[Path]:
+    """Returns the folders of profiles that are not shipped, the first one searched first.
+
+    They need not exist.
+    """
+    own, machine = find_user_folder(folder), find_machine_folder() / "profiles"
+    return list(dict.fromkeys([own, machine]))
+
+
 def list_profile_folders(folder: Path | None = None) -> list[Path]:
     """Returns the folders of profiles, the first one searched first; they need not exist."""
-    own, machine = find_user_folder(folder), find_machine_folder() / "profiles"
-    return list(dict.fromkeys([own, machine, find_shipped_folder()]))
+    return [*list_changeable_folders(folder), find_shipped_folder()]
 
 
 def list_profiles(folder: Path | None = None) -> dict[str, Path]:
@@ -41,31 +50,29 @@ def list_profiles(folder: Path | None = None) -> dict[str, Path]:
     Raises:
         ProfileError: a folder is there and cannot be looked into.
     """
-    try:
-        found = {
-            path.stem: path
-            for place in reversed(list_profile_folders(folder))
-            if place.is_dir()
-            for path in place.glob("*.yaml")
-            if re.fullmatch(NAME_PATTERN, path.stem) and path.is_file()
-        }
-    except OSError as error:
-        raise ProfileError(f"'{error.filename}' cannot be looked into: {error.strerror}.") from None
+    found = {
+        path.stem: path
+        for place in reversed(list_profile_folders(folder))
+        for path in look_into(place)
+        if path.suffix == ".yaml" and re.fullmatch(NAME_PATTERN, path.stem) and path.is_file()
+    }
     return dict(sorted(found.items()))
 
 
-def list_misnamed(folder: Path | None = None) -> dict[Path, Path]:
+def list_misnamed() -> dict[Path, Path]:
     """Returns the profile files that no name leads to, because of their own names.
-
-    Args:
-        folder: the person's settings.
 
     Returns:
         Each with a free path in its folder that would do.
+
+    Raises:
+        ProfileError: as ``list_profiles``.
     """
     found: dict[Path, Path] = {}
-    for place in list_profile_folders(folder)[:-1]:
-        for path in sorted(place.glob("[!.]*")) if place.is_dir() else ():
+    for place in list_changeable_folders():
+        for path in look_into(place):
+            if path.name.startswith("."):
+                continue
             named = path.suffix == ".yaml" and re.fullmatch(NAME_PATTERN, path.stem)
             if path.suffix.lower() in (".yaml", ".yml") and not named and path.is_file():
                 stem, n = propose_name(path.stem) or "profile", 1
@@ -88,15 +95,13 @@ def find_profile(name_or_path: str | Path, folder: Path | None = None) -> Path:
     """Returns the file of a profile.
 
     Args:
-        name_or_path: a path (it has a ``/`` or ends in ``.yaml`` or ``.yml``) or a name.
+        name_or_path: a path (see ``means_path``) or a name.
         folder: the person's settings.
 
     Raises:
         ProfileError: no profile has this name, or the folders cannot be read.
     """
-    if isinstance(name_or_path, Path):
-        return name_or_path
-    if "/" in name_or_path or name_or_path.endswith((".yaml", ".yml")):
+    if isinstance(name_or_path, Path) or means_path(name_or_path):
         return Path(name_or_path)
     known = list_profiles(folder)
     if name_or_path in known:

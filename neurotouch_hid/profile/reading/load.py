@@ -1,5 +1,6 @@
 """Reads profiles and the user's file: every mistake at once, with line, column and a fix."""
 
+import shlex
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
@@ -175,7 +176,14 @@ def load_settings(path: Path, model: type[Model]) -> Model:
     """
     if not may_be_there(path):
         return model()
-    return parse_settings(_read(path), make_printable(str(path)), model)
+    content = _read(path, "settings", suggest_moving(path))
+    return parse_settings(content, make_printable(str(path)), model)
+
+
+def suggest_moving(path: Path) -> str:
+    """Returns what to do where something else is in the place of a settings file."""
+    name = shlex.quote(str(path))
+    return f"Move it away, and the defaults apply: mv {name} {name}.old"
 
 
 def parse_settings(content: bytes, name: str, model: type[Model]) -> Model:
@@ -349,16 +357,28 @@ def _decode(content: bytes) -> str:
         raise _UnreadableError(fault, content.decode("utf-8", "replace")) from None
 
 
-def _read(path: Path) -> bytes:
+def _read(
+    path: Path, kind: str = "profile", otherwise: str = "Give the path of a .yaml file."
+) -> bytes:
+    """Returns the content of a file.
+
+    Args:
+        path: the file.
+        kind: of file, for the error.
+        otherwise: the fix where the file is there and no right is missing.
+
+    Raises:
+        ProfileError: it is not there, or cannot be read.
+    """
     try:
         return read_bytes(path, MAX_SETTINGS_BYTES)
     except FileNotFoundError:
         raise ProfileError(
-            f"The profile file {path} does not exist.",
+            f"The {kind} file {path} does not exist.",
             hint="Check the path. The profiles by name: neurotouch profile list",
         ) from None
     except OSError as error:
         raise ProfileError(
-            f"The profile file {path} cannot be read: {error.strerror}.",
-            hint=suggest_reading(error, "Give the path of a .yaml file."),
+            f"The {kind} file {path} cannot be read: {error.strerror}.",
+            hint=suggest_reading(error, otherwise),
         ) from None

@@ -1,6 +1,6 @@
 """Rehearses a profile: written gestures go in, a timeline of its outputs comes out."""
 
-from neurotouch_hid.profile.rehearsal.script import parse_script, rehearse
-from neurotouch_hid.profile.rehearsal.timeline import TimelineEntry, perform
+from neurotouch_hid.profile.rehearsal.script import rehearse
+from neurotouch_hid.profile.rehearsal.timeline import perform
 
-__all__ = ["TimelineEntry", "parse_script", "perform", "rehearse"]
+__all__ = ["perform", "rehearse"]

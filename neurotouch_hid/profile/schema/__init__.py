@@ -18,7 +18,7 @@ if TYPE_CHECKING:
         Binding,
         Profile,
         SafetyGesture,
-        check_version,
+        SettingsFile,
         make_schema,
         profile_schema,
     )
@@ -46,7 +46,7 @@ else:
             "keyboard_keys": "KEYS parse_chord",
             "layering": "merge_bindings",
             "movements": "MOVEMENTS MovementName",
-            "profile": "FIRST_LAYER Binding Profile SafetyGesture check_version make_schema "
+            "profile": "FIRST_LAYER Binding Profile SafetyGesture SettingsFile make_schema "
             "profile_schema",
             "shaping": "Expo Points Power Shaped",
             "strict": "Strict give_unit make_optional",
@@ -75,13 +75,13 @@ __all__ = [
     "Power",
     "Profile",
     "SafetyGesture",
+    "SettingsFile",
     "Shaped",
     "SoundName",
     "Strict",
     "Timing",
     "UserSettings",
     "Volumes",
-    "check_version",
     "choose_filter",
     "give_unit",
     "make_optional",

@@ -39,6 +39,6 @@ class Feedback(Strict):
         description="none, tones, or speech (through speech-dispatcher). Default: none.",
     )
     volume: Volumes = Field(
-        default_factory=Volumes,
+        default_factory=Volumes.model_construct,
         description="How loud each class of sounds is. Default: as each says.",
     )

@@ -57,6 +57,16 @@ def check_version(version: int) -> int:
     return version
 
 
+class SettingsFile(Strict):
+    """A file of settings, whose first key is the version of its format."""
+
+    version: Annotated[int, AfterValidator(check_version)] = Field(
+        default=1,
+        description="The version of this format: 1. Default: 1.",
+        json_schema_extra={"const": 1},
+    )
+
+
 def check_visible(text: str) -> str:
     """Returns the text, if nothing in it could change what a terminal shows around it."""
     for char in text:
@@ -83,7 +93,7 @@ class Binding(Strict):
         """The long form of ``when``; of a sequence, its last step."""
         match self.when:
             case str():
-                return Condition(gesture=self.when)
+                return Condition.model_construct(gesture=self.when)
             case Sequence():
                 return make_step(self.when.sequence[-1])
             case _:
@@ -161,8 +171,8 @@ class Binding(Strict):
 def make_step(name: str) -> Condition:
     """Returns the condition of one step of a sequence: ``push_left`` is a push to the left."""
     if name.startswith("push_"):
-        return Condition(gesture="push", direction=name.removeprefix("push_"))  # type: ignore[arg-type]
-    return Condition(gesture=name)  # type: ignore[arg-type]
+        return Condition.model_construct(gesture="push", direction=name.removeprefix("push_"))
+    return Condition.model_construct(gesture=name)
 
 
 Bindings = Annotated[list[Binding], Field(min_length=1, max_length=256)]
@@ -206,7 +216,7 @@ class SafetyGesture(Strict):
     @property
     def condition(self) -> Condition:
         """The same as the condition of a binding."""
-        return Condition(
+        return Condition.model_construct(
             gesture=self.gesture,
             direction=self.direction,
             on_mm=self.on_mm,
@@ -291,7 +301,7 @@ class Profile(Strict):
         json_schema_extra=make_optional(),
     )
     safety: Safety = Field(
-        default_factory=Safety,
+        default_factory=Safety.model_construct,
         description="Gestures that pause everything. Default: none.",
     )
 
@@ -299,7 +309,8 @@ class Profile(Strict):
     def all_layers(self) -> tuple[Layer, ...]:
         """The layers, the first one first; ``bindings`` are one called ``base``."""
         if self.bindings is not None:
-            return (Layer(name=FIRST_LAYER, bindings=self.bindings), *(self.layers or ()))
+            base = Layer.model_construct(name=FIRST_LAYER, bindings=self.bindings)
+            return (base, *(self.layers or ()))
         return tuple(self.layers or ())
 
 

@@ -7,7 +7,11 @@ from pydantic import BaseModel, ConfigDict
 
 
 class Strict(BaseModel):
-    """A part of a profile."""
+    """A part of a profile.
+
+    What the program itself makes of valid values comes from ``model_construct``: a model that only
+    checks as a part of another one need not be compiled, which takes milliseconds.
+    """
 
     model_config = ConfigDict(
         strict=True,

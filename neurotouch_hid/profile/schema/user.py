@@ -2,12 +2,12 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.profile.schema.feedback import Feedback
 from neurotouch_hid.profile.schema.movements import MovementName
-from neurotouch_hid.profile.schema.profile import Profile, check_version, make_schema
+from neurotouch_hid.profile.schema.profile import Profile, SettingsFile, make_schema
 from neurotouch_hid.profile.schema.strict import Strict, give_unit, make_optional
 from neurotouch_hid.profile.schema.timing import FilterName, TimingSetting, resolve_times
 from neurotouch_hid.vocabulary import NAME_PATTERN
@@ -56,16 +56,11 @@ class Ranges(Strict):
     twist_ccw: MovementRange | None = _range("a counter-clockwise twist")
 
 
-class UserSettings(Strict):
+class UserSettings(SettingsFile):
     """A person's own values; they apply in every profile and are never exported with one."""
 
-    version: Annotated[int, AfterValidator(check_version)] = Field(
-        default=1,
-        description="The version of this format: 1. Default: 1.",
-        json_schema_extra={"const": 1},
-    )
     range: Ranges = Field(
-        default_factory=Ranges,
+        default_factory=Ranges.model_construct,
         description="How far each movement comfortably goes; profiles count in millimetres of the "
         "reference hand, and this converts. Default: the reference hand.",
     )
@@ -127,7 +122,7 @@ class UserSettings(Strict):
         description="The favourite profiles that next_profile goes through. Default: [default].",
     )
     feedback: Feedback = Field(
-        default_factory=Feedback,
+        default_factory=Feedback.model_construct,
         description="What is heard of what the gestures do. Default: nothing.",
     )
 
