@@ -7,11 +7,10 @@ from neurotouch_hid.desktop.session_bus import (
     find_gnome_extension,
     find_kwin_script,
 )
-from neurotouch_hid.desktop.window import ActiveWindow, open_window
+from neurotouch_hid.desktop.window import open_window
 
 __all__ = [
     "GNOME_UUID",
-    "ActiveWindow",
     "Follower",
     "find_data_folder",
     "find_gnome_extension",

@@ -1,8 +1,11 @@
 """Chooses sound cues from the pipeline's steps."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Final
+
+import numpy as np
 
 from neurotouch_hid.gel_sentences import explain_gel
 from neurotouch_hid.gesture import GestureConfig
@@ -58,7 +61,7 @@ class CueFacts:
         profile: the active profile.
         layer: its active layer.
         gel: whether the gel is found, and its problem.
-        gel_words: the same in words.
+        explain: gives the same in words; asked only when they are said.
         tracked: share of the markers that are measured.
         gesture: the type of the gesture, ``none`` at rest.
         decisions: the latest ones, oldest first.
@@ -68,7 +71,7 @@ class CueFacts:
     profile: str
     layer: str
     gel: tuple[bool, str]
-    gel_words: str
+    explain: Callable[[], str]
     tracked: float
     gesture: str
     decisions: tuple[MappingDecision, ...]
@@ -82,8 +85,8 @@ def take_facts(step: Step | None, mapping: "Mapping") -> CueFacts:
         mapping.profile.name,
         mapping.layer,
         (gel.is_found, gel.problem),
-        explain_gel(gel).text,
-        0.0 if step is None else float(step.markers.valid.mean()),
+        lambda: explain_gel(gel).text,
+        0.0 if step is None else np.count_nonzero(step.markers.valid) / len(step.markers.valid),
         GestureKind.NONE.label if step is None else step.gesture.kind.label,
         mapping.decisions(),
     )
@@ -135,7 +138,7 @@ class CueFinder:
         if self._gel == before:
             return None
         if now.gel[1]:
-            return Cue(CueKind.LOST, f"gel {now.gel_words}")
+            return Cue(CueKind.LOST, f"gel {now.explain()}")
         if before[0] or before[1] == GelProblem.WAITING:
             return None  # it is fine from the start, or again
         return Cue(CueKind.FOUND, "gel found")

@@ -19,13 +19,20 @@ class SoundMonitor:
 
     def __init__(self, control: PipelineControl, announce: Callable[[str], object]) -> None:
         self._control = control
-        self._finder = CueFinder(take_facts(None, control.mapping))
+        self._finder: CueFinder | None = CueFinder(take_facts(None, control.mapping))
         self._speaker = Speaker(announce)
 
     def __call__(self, step: Step) -> None:
         """Posts the sounds of ``step``; never waits."""
         mapping, user = self._control.mapping, self._control.user
-        cues = self._finder.find(take_facts(step, mapping))
+        if user.feedback.sound == "none":
+            self._finder = None
+            return
+        facts = take_facts(step, mapping)
+        if self._finder is None:  # everything before this step is old
+            self._finder = CueFinder(facts)
+            return
+        cues = self._finder.find(facts)
         if not cues:
             return
         waits = resolve_times(mapping.profile.timing, user.timing).accept_ms > 0

@@ -43,7 +43,7 @@ class StreamSound(Closing):
             head["profile"],
             head["layer"],
             (gel["found"], gel["problem"]),
-            gel["text"],
+            lambda: gel["text"],
             float(read_markers(state)[1].mean()),
             head["gesture"]["kind"],
             tuple(MappingDecision(*action) for action in head["actions"]),  # type: ignore[arg-type]

@@ -25,7 +25,7 @@ CHANNELS: Final = (
 """Name and unit of each channel. Contact points that are not there are not a number."""
 _NUMBERS: Final = {each.label: float(each) for each in GestureKind}
 _CONFIGS: Final = tuple(
-    Path(each).expanduser()
+    Path(os.path.expanduser(each))  # noqa: PTH111  a Path raises where nobody knows the home
     for each in ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.cfg")
 )
 """Where LSL looks for a laboratory's own settings, which stay as they are."""

@@ -9,7 +9,7 @@ import struct
 import subprocess
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
@@ -18,6 +18,7 @@ import pytest
 
 from neurotouch_hid.desktop.wayland import Message, Wayland, find_display, pack
 from neurotouch_hid.errors import DesktopError
+from tests.waiting import wait_until
 
 LIMIT_S = 60.0
 SIDE = 64
@@ -147,7 +148,7 @@ class Compositor:
                 group=self.user,
                 extra_groups=None if self.user is None else [],
             )
-        wait(self._answers, lambda: self.log.read_text(errors="replace")[-3000:])
+        wait_until(self._answers, lambda: self.log.read_text(errors="replace")[-3000:])
 
     def _answers(self) -> bool:
         assert self.process.poll() is None, self.log.read_text(errors="replace")[-3000:]
@@ -169,14 +170,6 @@ class Compositor:
             self.environment["WAYLAND_DISPLAY"] + "*"
         ):
             left.unlink()
-
-
-def wait(happened: Callable[[], object], explain: Callable[[], object] = lambda: "") -> None:
-    """Waits until it has happened."""
-    deadline = time.monotonic() + LIMIT_S
-    while not happened():
-        assert time.monotonic() < deadline, explain()
-        time.sleep(0.005)
 
 
 def skip(sentence: str) -> NoReturn:

@@ -1,10 +1,10 @@
 """The follower with a desktop that says what the test wants."""
 
 import threading
-import time
 
 from neurotouch_hid.desktop import Follower
 from neurotouch_hid.errors import DesktopError
+from tests.waiting import wait_until
 
 LIMIT_S = 60.0
 
@@ -28,13 +28,6 @@ class Desktop:
         self.closed += 1
 
 
-def wait(happened) -> None:
-    deadline = time.monotonic() + LIMIT_S
-    while not happened():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
-
-
 def test_profile_follows_the_window_whatever_the_case_and_only_changes_are_told():
     desktop, wanted = Desktop(), []
     follower = Follower({"Game": "racing", "other": "racing"}, lambda: desktop, wanted.append)
@@ -46,8 +39,8 @@ def test_profile_follows_the_window_whatever_the_case_and_only_changes_are_told(
         (("game",), ["racing", None, "racing"]),
     ]:
         desktop.front = front
-        wait(lambda front=front: "/".join(front or ["no window"]) in follower.describe())
-        wait(lambda told=told: wanted == told)
+        wait_until(lambda front=front: "/".join(front or ["no window"]) in follower.describe())
+        wait_until(lambda told=told: wanted == told)
     follower.close()
     assert desktop.closed == 1
 
@@ -56,9 +49,9 @@ def test_desktop_that_goes_away_is_described_and_the_profile_stays():
     desktop, wanted = Desktop(), []
     desktop.front = ("game",)
     follower = Follower({"game": "racing"}, lambda: desktop, wanted.append)
-    wait(lambda: wanted == ["racing"])
+    wait_until(lambda: wanted == ["racing"])
     desktop.front = DesktopError("The desktop is gone.")
-    wait(lambda: "gone" in follower.describe())
+    wait_until(lambda: "gone" in follower.describe())
     follower.close()
     assert wanted == ["racing"]
 
@@ -88,6 +81,6 @@ def test_name_of_a_window_is_no_danger_to_a_terminal():
     desktop = Desktop()
     desktop.front = ("\x1b[2Jgame",)
     follower = Follower({}, lambda: desktop, print)
-    wait(lambda: "game is in front (Test)" in follower.describe())
+    wait_until(lambda: "game is in front (Test)" in follower.describe())
     follower.close()
     assert "\x1b" not in follower.describe()

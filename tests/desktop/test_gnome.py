@@ -13,7 +13,9 @@ from click.testing import CliRunner
 from neurotouch_hid.cli import setup
 from neurotouch_hid.desktop import Follower, follower, open_window
 from neurotouch_hid.errors import DesktopError
-from tests.desktop.programs import Compositor, Program, session_bus, wait
+from tests.desktop.programs import Compositor, Program, session_bus
+from tests.processes import run_command
+from tests.waiting import wait_until
 
 pytest.importorskip("jeepney")
 FAST_ENOUGH_S = 0.3
@@ -23,7 +25,7 @@ OLDEST = 45  # its extensions are modules; those of 44 and earlier are not
 def find_version() -> int:
     if shutil.which("gnome-shell") is None:
         return 0
-    said = subprocess.run(["gnome-shell", "--version"], capture_output=True, text=True, check=True)
+    said = run_command("gnome-shell", "--version")
     found = re.search(r"(\d+)", said.stdout)
     return int(found[1]) if found else 0
 
@@ -99,28 +101,28 @@ def test_profile_follows_in_time_and_after_a_restart_of_the_shell(shell, monkeyp
         lambda name: told.append((time.monotonic(), name)),
     )
     try:
-        wait(lambda: "no window" in follow.describe(), follow.describe)
+        wait_until(lambda: "no window" in follow.describe(), follow.describe)
         leave_overview(shell)
         game = Program(shell.environment, "org.example.game")
-        wait(lambda: told, follow.describe)
+        wait_until(lambda: told, follow.describe)
         assert told[0][1] == "racing"
-        wait(lambda: game.active_s is not None)
+        wait_until(lambda: game.active_s is not None)
         print(f"followed after {told[0][0] - game.active_s:.3f} s")
         assert told[0][0] - game.active_s <= FAST_ENOUGH_S
         game.close()
-        wait(lambda: told[-1][1] is None, follow.describe)
+        wait_until(lambda: told[-1][1] is None, follow.describe)
 
         shell.end()
-        wait(lambda: "GNOME" in follow.describe() and "front" not in follow.describe())
+        wait_until(lambda: "GNOME" in follow.describe() and "front" not in follow.describe())
         # A shell that crashes within its first minute switches all extensions off with this file.
         (Path(shell.environment["XDG_RUNTIME_DIR"]) / "gnome-shell-disable-extensions").unlink(
             missing_ok=True
         )
         shell.start()
-        wait(lambda: "no window" in follow.describe(), follow.describe)
+        wait_until(lambda: "no window" in follow.describe(), follow.describe)
         leave_overview(shell)
         game = Program(shell.environment, "org.example.game")
-        wait(lambda: told[-1][1] == "racing", follow.describe)
+        wait_until(lambda: told[-1][1] == "racing", follow.describe)
         game.close()
     finally:
         follow.close()
@@ -139,12 +141,8 @@ def test_extension_is_switched_off_and_gone_after_uninstalling(shell, tmp_path):
     with pytest.raises(DesktopError, match="GNOME does not tell"):
         open_window(shell.environment)
     assert not [each for each in list_files(tmp_path) if "neurotouch" in each]
-    said = subprocess.run(
-        ["gsettings", "get", "org.gnome.shell", "enabled-extensions"],
-        env=shell.environment,
-        capture_output=True,
-        text=True,
-        check=True,
+    said = run_command(
+        "gsettings", "get", "org.gnome.shell", "enabled-extensions", env=shell.environment
     )
     assert said.stdout.strip() == "@as []"
 
@@ -164,4 +162,4 @@ def test_extension_that_does_not_run_yet_is_explained(shell):
             return f"{error.message} {error.hint}"
         return ""
 
-    wait(lambda: "Log out" in tell(), tell)
+    wait_until(lambda: "Log out" in tell(), tell)

@@ -16,8 +16,8 @@ from tests.desktop.programs import (
     find_without_rights,
     session_bus,
     skip,
-    wait,
 )
+from tests.waiting import wait_until
 
 pytest.importorskip("jeepney")
 SCRIPT = Path(__file__).parents[2] / "packaging/windows/kwin-windows.js"
@@ -74,13 +74,13 @@ def open_patiently(environment):
 def test_active_window_is_told_and_nothing_is_left_in_kwin(installed):
     window = open_patiently(installed.environment)
     game = Program(installed.environment, "org.example.game")
-    wait(lambda: window.names()[:1] == ("org.example.game",))
+    wait_until(lambda: window.names()[:1] == ("org.example.game",))
     editor = Program(installed.environment, "org.example.editor")
-    wait(lambda: window.names()[:1] == ("org.example.editor",))
+    wait_until(lambda: window.names()[:1] == ("org.example.editor",))
     editor.close()
-    wait(lambda: window.names()[:1] == ("org.example.game",))
+    wait_until(lambda: window.names()[:1] == ("org.example.game",))
     game.close()
-    wait(lambda: window.names() == ())
+    wait_until(lambda: window.names() == ())
     assert list((Path(installed.environment["XDG_RUNTIME_DIR"])).glob("*.js"))
     window.close()
     assert not list((Path(installed.environment["XDG_RUNTIME_DIR"])).glob("*.js"))
@@ -95,22 +95,22 @@ def test_profile_follows_in_time_and_after_a_restart_of_kwin(installed, monkeypa
         lambda name: told.append((time.monotonic(), name)),
     )
     try:
-        wait(lambda: "no window" in follow.describe(), follow.describe)
+        wait_until(lambda: "no window" in follow.describe(), follow.describe)
         game = Program(installed.environment, "org.example.game")
-        wait(lambda: told, follow.describe)
+        wait_until(lambda: told, follow.describe)
         assert told[0][1] == "racing"
-        wait(lambda: game.active_s is not None)
+        wait_until(lambda: game.active_s is not None)
         print(f"followed after {told[0][0] - game.active_s:.3f} s")
         assert told[0][0] - game.active_s <= FAST_ENOUGH_S
 
         installed.end()
-        wait(lambda: "KDE" in follow.describe() and "front" not in follow.describe())
+        wait_until(lambda: "KDE" in follow.describe() and "front" not in follow.describe())
         game.close()
         installed.start()
-        wait(lambda: "no window" in follow.describe(), follow.describe)
+        wait_until(lambda: "no window" in follow.describe(), follow.describe)
         game = Program(installed.environment, "org.example.game")
-        wait(lambda: "game" in follow.describe(), follow.describe)
-        wait(lambda: told[-1][1] == "racing")
+        wait_until(lambda: "game" in follow.describe(), follow.describe)
+        wait_until(lambda: told[-1][1] == "racing")
         game.close()
     finally:
         follow.close()

@@ -10,7 +10,7 @@ import pytest
 
 from neurotouch_hid.desktop import open_window
 from neurotouch_hid.errors import DesktopError
-from tests.desktop.programs import wait
+from tests.waiting import wait_until
 
 
 class Niri:
@@ -87,7 +87,7 @@ def test_focused_window_is_told(tmp_path):
         ({"WindowsChanged": {"windows": [window(8, None, is_focused=True)]}}, ()),
     ]:
         niri.tell(**event)
-        wait(lambda names=names: active.names() == names)
+        wait_until(lambda names=names: active.names() == names)
     active.close()
     niri.close()
 

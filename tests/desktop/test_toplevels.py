@@ -12,7 +12,8 @@ import pytest
 from neurotouch_hid.desktop import open_window
 from neurotouch_hid.desktop.wayland import pack
 from neurotouch_hid.errors import DesktopError
-from tests.desktop.programs import Compositor, Program, find_without_rights, skip, wait
+from tests.desktop.programs import Compositor, Program, find_without_rights, skip
+from tests.waiting import wait_until
 
 NOBODY = 65534
 
@@ -51,18 +52,18 @@ def test_active_window_of_sway_also_after_a_restart(sway):
         assert window.desktop == "Wayland"
         assert window.names() == ()
         game = Program(sway.environment, "org.example.game")
-        wait(lambda: window.names() == ("org.example.game",))  # noqa: B023
+        wait_until(lambda: window.names() == ("org.example.game",))  # noqa: B023
         editor = Program(sway.environment, "org.example.editor")
-        wait(lambda: window.names() == ("org.example.editor",))  # noqa: B023
+        wait_until(lambda: window.names() == ("org.example.editor",))  # noqa: B023
         again = open_window(sway.environment)
         assert again.names() == ("org.example.editor",)
         again.close()
         editor.close()
-        wait(lambda: window.names() == ("org.example.game",))  # noqa: B023
+        wait_until(lambda: window.names() == ("org.example.game",))  # noqa: B023
         game.close()
-        wait(lambda: window.names() == ())  # noqa: B023
+        wait_until(lambda: window.names() == ())  # noqa: B023
         sway.end()
-        wait(lambda: is_gone(window))  # noqa: B023
+        wait_until(lambda: is_gone(window))  # noqa: B023
         window.close()
         sway.start()
 
@@ -193,10 +194,10 @@ def test_active_window_of_cosmic(cosmic, environment):
     assert window.desktop == "COSMIC"
     assert window.names() == ("org.example.game",)
     cosmic.activate(second)
-    wait(lambda: window.names() == ("editor",))
+    wait_until(lambda: window.names() == ("editor",))
     cosmic.end(second)
-    wait(lambda: window.names() == ())
-    wait(lambda: sorted(cosmic.destroyed) == sorted([second, cosmic.states_of[second]]))
+    wait_until(lambda: window.names() == ())
+    wait_until(lambda: sorted(cosmic.destroyed) == sorted([second, cosmic.states_of[second]]))
     window.close()
 
 

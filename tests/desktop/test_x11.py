@@ -3,12 +3,12 @@
 import os
 import shutil
 import subprocess
-import time
 
 import pytest
 
 from neurotouch_hid.desktop import Follower, open_window
 from neurotouch_hid.errors import DesktopError
+from tests.waiting import wait_until
 
 xcffib = pytest.importorskip("xcffib")
 xproto = pytest.importorskip("xcffib.xproto")
@@ -115,10 +115,7 @@ def test_each_application_gets_its_profile(desktop):
     )
 
     def wait(n: int) -> None:
-        deadline = time.monotonic() + LIMIT_S
-        while len(wanted) < n:
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        wait_until(lambda: len(wanted) >= n)
 
     try:
         desktop.activate(game)
@@ -136,9 +133,6 @@ def test_desktop_that_does_not_tell_is_described(tmp_path):
         raise DesktopError("This desktop is silent.", hint="Ask another.")
 
     follower = Follower({"x": "racing"}, refuse, lambda name: None)
-    deadline = time.monotonic() + LIMIT_S
-    while "silent" not in follower.describe():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_until(lambda: "silent" in follower.describe())
     follower.close()
     assert follower.describe() == "This desktop is silent. Ask another."

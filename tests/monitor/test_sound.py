@@ -17,6 +17,7 @@ from neurotouch_hid.monitor.tone import make_wave
 from neurotouch_hid.profile import Mapping, UserSettings, rehearse
 from neurotouch_hid.runtime import Pipeline, PipelineControl
 from tests.monitor.stage import BUTTONS, FLICK, parse, turn
+from tests.waiting import wait_until
 
 LIMIT_S = 60.0
 PAUSE = Cue(CueKind.PAUSE, "paused")
@@ -37,13 +38,6 @@ def programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, 
         file.chmod(file.stat().st_mode | stat.S_IXUSR)
 
     return put
-
-
-def wait(happened: Callable[[], bool]) -> None:
-    deadline = time.monotonic() + LIMIT_S
-    while not happened():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 class Stage:
@@ -118,7 +112,7 @@ def test_a_player_that_hangs_is_ended_with_its_children(programs, tmp_path: Path
     programs("paplay", f"sleep 300 & echo $! > {tmp_path}/child; wait")
     assert play_cue(PAUSE, "tones", 70).sentence == "no tones: paplay does not end"
     child = Path("/proc") / (tmp_path / "child").read_text().strip() / "stat"
-    wait(lambda: not child.exists() or child.read_text().rsplit(")", 1)[1].split()[0] == "Z")
+    wait_until(lambda: not child.exists() or child.read_text().rsplit(")", 1)[1].split()[0] == "Z")
 
 
 def test_pause_and_resume_are_played_and_silence_is_kept(programs, tmp_path: Path) -> None:
@@ -129,8 +123,8 @@ def test_pause_and_resume_are_played_and_silence_is_kept(programs, tmp_path: Pat
         order()
         stage.turn()
         stage.turn()
-        wait(lambda n=n: heard.exists() and len(heard.read_text().splitlines()) == n)
-    wait(lambda: stage.sound.describe() == "tones through aplay")
+        wait_until(lambda n=n: heard.exists() and len(heard.read_text().splitlines()) == n)
+    wait_until(lambda: stage.sound.describe() == "tones through aplay")
     stage.sound.close()
     sizes = [int(line) for line in heard.read_text().split()]
     assert sizes == [len(make_wave(kind, 50)) for kind in (CueKind.PAUSE, CueKind.RESUME)]
@@ -155,7 +149,7 @@ def test_other_values_of_the_person_hold_at_once(programs, tmp_path: Path) -> No
     stage.control.apply_commands()
     stage.mapping.panic()
     stage.turn()
-    wait((tmp_path / "heard").exists)
+    wait_until((tmp_path / "heard").exists)
     stage.sound.close()
 
 
@@ -165,7 +159,7 @@ def test_a_silent_class_hides_no_other(programs, tmp_path: Path) -> None:
     for gesture in rehearse(FLICK):
         stage.sound(turn(stage.mapping, gesture))
     heard = tmp_path / "heard"
-    wait(lambda: heard.exists() and heard.read_text().endswith("\n"))
+    wait_until(lambda: heard.exists() and heard.read_text().endswith("\n"))
     stage.sound.close()
     assert heard.read_text().split() == [str(len(make_wave(CueKind.PRESS, 30)))]
 
@@ -177,7 +171,7 @@ def test_a_missing_player_is_said_once(programs) -> None:
             order()
             stage.turn()
             time.sleep(0.05)
-    wait(lambda: bool(stage.said))
+    wait_until(lambda: bool(stage.said))
     stage.sound.close()
     (sentence,) = stage.said
     assert sentence == f"Warning: {stage.sound.describe()}."
@@ -197,7 +191,7 @@ def test_a_player_that_hangs_holds_up_nobody_and_the_newest_cue_follows(
     heard = tmp_path / "heard"
     stage.mapping.pause()
     stage.turn()
-    wait(heard.exists)
+    wait_until(heard.exists)
     go_on.touch()
     done = threading.Event()
 
@@ -212,7 +206,7 @@ def test_a_player_that_hangs_holds_up_nobody_and_the_newest_cue_follows(
 
     threading.Thread(target=play, daemon=True).start()
     assert done.wait(LIMIT_S)
-    wait(lambda: heard.read_text().split()[-1:] == [str(len(make_wave(CueKind.PANIC, 80)))])
+    wait_until(lambda: heard.read_text().split()[-1:] == [str(len(make_wave(CueKind.PANIC, 80)))])
     stage.sound.close()
     assert stage.said == ["Warning: no tones: aplay does not end."]
     assert len(heard.read_text().split()) < 20, "of 201 cues"

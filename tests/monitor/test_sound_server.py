@@ -9,8 +9,7 @@ import shutil
 import signal
 import subprocess
 import tempfile
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 from neurotouch_hid.monitor.cue import Cue, CueKind
 from neurotouch_hid.monitor.sound_programs import play_cue
 from neurotouch_hid.monitor.tone import PATTERNS, RATE_HZ
+from tests.waiting import wait_until
 
 LIMIT_S = 60.0
 FORMAT = (f"--rate={RATE_HZ}", "--channels=1")
@@ -34,13 +34,6 @@ def need(*programs: str) -> None:
     missing = [name for name in programs if shutil.which(name) is None]
     if missing:
         pytest.skip(f"not installed: {', '.join(missing)}")
-
-
-def wait(happened: Callable[[], object]) -> None:
-    deadline = time.monotonic() + LIMIT_S
-    while not happened():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
 
 
 def succeeds(*command: str) -> bool:
@@ -98,13 +91,13 @@ def pulse(runtime: Path, machine: Machine, monkeypatch: pytest.MonkeyPatch) -> P
         *("-L", f"module-null-sink sink_name=ear rate={RATE_HZ} channels=1"),
     )
     monkeypatch.setenv("PULSE_SERVER", f"unix:{socket}")
-    wait(lambda: succeeds("pactl", "info"))
+    wait_until(lambda: succeeds("pactl", "info"))
     recorded = runtime / "heard.wav"
     machine.start(
         *("parecord", "--device=ear.monitor", "--format=s16le", "--latency-msec=20", *FORMAT),
         *("--file-format=wav", str(recorded)),
     )
-    wait(lambda: recorded.exists() and recorded.stat().st_size > 10_000)
+    wait_until(lambda: recorded.exists() and recorded.stat().st_size > 10_000)
     return recorded
 
 
@@ -115,18 +108,18 @@ def pipewire(runtime: Path, machine: Machine, monkeypatch: pytest.MonkeyPatch) -
     bus = f"unix:path={runtime}/bus"
     machine.start("dbus-daemon", "--session", "--nofork", f"--address={bus}")
     monkeypatch.setenv("DBUS_SESSION_BUS_ADDRESS", bus)
-    wait((runtime / "bus").exists)
+    wait_until((runtime / "bus").exists)
     machine.start("pipewire")
-    wait(lambda: succeeds("pw-cli", "info", "0"))
+    wait_until(lambda: succeeds("pw-cli", "info", "0"))
     machine.start("wireplumber")
-    wait(lambda: succeeds("pw-cli", "create-node", "adapter", SINK))
-    wait(lambda: b'"ear"' in read("pw-cli", "ls", "Node"))
+    wait_until(lambda: succeeds("pw-cli", "create-node", "adapter", SINK))
+    wait_until(lambda: b'"ear"' in read("pw-cli", "ls", "Node"))
     recorded = runtime / "heard.wav"
     machine.start(
         *("pw-record", "--target", "ear", "-P", "{stream.capture.sink=true}", "--format=s16"),
         *(*FORMAT, str(recorded)),
     )
-    wait(lambda: recorded.exists() and recorded.stat().st_size > 10_000)
+    wait_until(lambda: recorded.exists() and recorded.stat().st_size > 10_000)
     return recorded
 
 
@@ -151,7 +144,7 @@ def test_a_tone_is_heard_as_it_was_made(server: str, request: pytest.FixtureRequ
     outcome = play_cue(Cue(kind, "paused"), "tones", 80)
     assert outcome.played, outcome.sentence
     n_whole = round(sum(seconds for _, seconds in notes) * RATE_HZ)
-    wait(lambda: len(listen(recorded)) > 0.9 * n_whole)
+    wait_until(lambda: len(listen(recorded)) > 0.9 * n_whole)
     samples = listen(recorded)
     first, last = (round(0.6 * seconds * RATE_HZ) for _, seconds in notes)
     assert len(samples) < 2 * n_whole  # a busy machine may leave gaps
@@ -164,7 +157,7 @@ def test_words_are_spoken(pulse: Path, runtime: Path) -> None:
     try:
         outcome = play_cue(Cue(CueKind.PAUSE, "paused"), "speech", 80)
         assert outcome.played, outcome.sentence
-        wait(lambda: len(listen(pulse)) > 0.3 * RATE_HZ)
+        wait_until(lambda: len(listen(pulse)) > 0.3 * RATE_HZ)
     finally:
         for file in runtime.rglob("speech-dispatcher.pid"):
             os.kill(int(file.read_text()), signal.SIGTERM)

@@ -3,15 +3,12 @@
 import os
 import signal
 import socket
-import subprocess
-import sys
 import time
 
 import pytest
 from pythonosc.osc_packet import OscPacket
 
-LIMIT_S = 600.0  # a driver may compile first, on a busy machine
-PROGRAM = (sys.executable, "-m", "neurotouch_hid")
+from tests.processes import LIMIT_S, run_neurotouch, start_neurotouch
 
 
 @pytest.fixture
@@ -28,7 +25,7 @@ def start(tmp_path, monkeypatch):
     made = []
 
     def start(*words):
-        made.append(subprocess.Popen([*PROGRAM, *words], stdout=subprocess.PIPE, text=True))
+        made.append(start_neurotouch(*words, stderr=None))
         return made[-1]
 
     yield start
@@ -87,8 +84,7 @@ def test_an_end_by_time_is_no_failure(ear, start):
     ],
 )
 def test_a_wrong_word_is_explained(words, why, code):
-    run = subprocess.run([*PROGRAM, "stream", *words], capture_output=True, text=True, check=False)
-    assert run.returncode == code
+    run = run_neurotouch("stream", *words, code=code)
     assert why in run.stderr
 
 
@@ -96,12 +92,12 @@ def test_ros2_is_run_and_its_exit_code_is_ours(tmp_path):
     program = tmp_path / "ros2"
     program.write_text('#!/bin/sh\necho "$@"\nexit 3\n')
     program.chmod(0o755)
-    run = subprocess.run(
-        [*PROGRAM, "stream", "ros2", "--markers"],
+    run = run_neurotouch(
+        "stream",
+        "ros2",
+        "--markers",
+        code=None,
         env={**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"},
-        capture_output=True,
-        text=True,
-        check=False,
     )
     assert run.stdout == "run neurotouch_ros publish --ros-args -p markers:=true\n"
     assert run.returncode == 3

@@ -17,6 +17,7 @@ from playwright.sync_api import sync_playwright
 from neurotouch_hid.stream import open_target
 from neurotouch_hid.stream.target import Address
 from tests.page.conftest import find_chromium
+from tests.processes import run_command
 from tests.stream.test_targets import PINCH
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "streams"
@@ -132,13 +133,14 @@ def test_godot_moves_a_node(tmp_path, program, package, example, main):
         (tmp_path / "main.gd").write_text(main)
         (tmp_path / "project.godot").touch()
         with playing(target):
-            said = subprocess.run(
-                [godot, "--path", str(tmp_path), "-s", "main.gd", *HEADLESS.get(program, ())],
+            said = run_command(
+                godot,
+                "--path",
+                tmp_path,
+                "-s",
+                "main.gd",
+                *HEADLESS.get(program, ()),
                 env={**os.environ, "HOME": str(tmp_path), "XDG_DATA_HOME": str(tmp_path)},
-                capture_output=True,
-                check=True,
-                text=True,
-                timeout=LIMIT_S,
             ).stdout
     assert "moved: 0.05 -0.15, turned: -0.25, scale: 0.875" in said
 
