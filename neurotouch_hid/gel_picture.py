@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.players import find_home
 
 Colour = tuple[int, int, int]
 """Blue, green and red, 0 to 255."""
@@ -22,10 +23,14 @@ _HALF_PX: Final = 3.0
 
 
 def find_picture(name: str) -> Path:
-    """Returns the path of a saved picture in the person's cache folder; it need not exist."""
+    """Returns the path of a saved picture in the person's cache folder; it need not exist.
+
+    Raises:
+        ProfileError: as ``find_home``.
+    """
     cache = Path(os.environ.get("XDG_CACHE_HOME", ""))
     if not cache.is_absolute():
-        cache = Path("~/.cache").expanduser()
+        cache = find_home() / ".cache"
     return cache / "neurotouch" / name
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from neurotouch_hid.cli.ui.completing import complete_profile_or_path, complete_scene
 from neurotouch_hid.cli.ui.options import gel_option, method_option, seconds_option
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
@@ -26,7 +27,13 @@ _WEBCAM = ",uvc=60,rolling=12,gamma,mjpeg"
     "  neurotouch demo --camera uvc         the same gestures, seen by a simulated webcam\n"
     "  neurotouch demo --show lines         plain lines, for screen readers"
 )
-@click.option("--scene", default="tour", show_default=True, help="Scene of the simulator.")
+@click.option(
+    "--scene",
+    default="tour",
+    shell_complete=complete_scene,
+    show_default=True,
+    help="Scene of the simulator.",
+)
 @click.option(
     "--camera",
     type=click.Choice(["davis", "uvc"]),
@@ -38,6 +45,7 @@ _WEBCAM = ",uvc=60,rolling=12,gamma,mjpeg"
 @click.option("--page/--no-page", default=True, help="Serve the live view and the spacecraft too.")
 @click.option(
     "--profile",
+    shell_complete=complete_profile_or_path,
     show_default="spacecraft; with --mouse your favourite, if you have chosen one",
     help="Name or path.",
 )

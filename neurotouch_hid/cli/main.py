@@ -10,7 +10,7 @@ import click
 
 from neurotouch_hid import __version__
 from neurotouch_hid.cli.ui.group import LazyGroup
-from neurotouch_hid.errors import NeuroTouchError, PluginError
+from neurotouch_hid.errors import EndOfInputError, NeuroTouchError, PluginError
 from neurotouch_hid.printable import make_lines_printable
 from neurotouch_hid.process.dead_output import print_error
 from neurotouch_hid.process.interrupts import (
@@ -126,12 +126,15 @@ def main() -> None:
     except OSError as error:
         # A full disk under `neurotouch ... > file`, a folder that vanished: files that we open
         # ourselves have sentences of their own.
+        from neurotouch_hid.partial_file import suggest_fix
+
         what = (
             f"The file '{error.filename}' cannot be used"
             if error.filename
             else "The output cannot be written"
         )
-        code = _tell(f"{what}: {error.strerror}.", None, 1)
+        fix = suggest_fix(error) if error.filename else None
+        code = _tell(f"{what}: {error.strerror}.", fix, 1)
         sys.stdout = None
     end_at_next_interrupt()
     sys.exit(code if isinstance(code, int) else 0)
@@ -142,12 +145,17 @@ def _run() -> Any:
 
     click takes every EOFError for Ctrl-D at one of its questions; but a question of its own ends in
     an Abort without a cause.
+
+    Raises:
+        NeuroTouchError: a question has met the end of the input.
     """
     try:
         return cli.main(prog_name="neurotouch", standalone_mode=False)
     except click.Abort as error:
         if isinstance(error.__cause__, EOFError):
             raise error.__cause__ from None
+        if isinstance(error.__context__, EOFError):
+            raise EndOfInputError from None
         raise
 
 

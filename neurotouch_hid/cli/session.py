@@ -69,12 +69,22 @@ def command() -> None:
         with suppress(OSError):  # the terminal has gone
             echo(sentence, err=True)
 
+    told: dict[int, str] = {}
+
+    def give(player: int) -> bool:
+        done = hand_over(player)
+        refusal = f"{done.text} {done.fix}".strip() if done.status == "refused" else ""
+        if refusal and told.get(player) != refusal:  # it is tried again, and said once
+            announce(f"Warning: {refusal}")
+        told[player] = refusal
+        return done.status == "plays"
+
     players = [find_player()] if PLAYER in os.environ else [int(name) for name in PLAYERS]
     stop = stop_on_signals()
     with _only_one(find_runtime_folder(players[0]) / "session"):
         if sys.stderr.isatty():
             announce("The service gets your settings, and its sounds play here. Ctrl-C ends this.")
-        serve(players, lambda player: hand_over(player).status == "plays", stop, announce)
+        serve(players, give, stop, announce)
 
 
 def serve(

@@ -103,7 +103,7 @@ def command(dry_run: bool, uninstall: bool, yes: bool, windows: bool) -> None:
         stays = " A camera that is plugged in stays open to you until it is unplugged."
         echo(f"Done.{stays if files else ''}")
         return
-    echo("All is installed. Compiling for this processor (once, up to half a minute) ...")
+    echo("All is installed. Compiling for this processor (once, half a minute or more) ...")
     _compile()
     echo("Done. Check with: neurotouch doctor")
 

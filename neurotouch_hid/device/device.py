@@ -2,7 +2,6 @@
 
 import os
 from collections.abc import Iterable
-from types import TracebackType
 from typing import Protocol, Self
 
 from neurotouch_hid.device.outputs.composite import CompositeDevice
@@ -46,12 +45,7 @@ class Device(Protocol):
     def __enter__(self) -> Self:
         """Returns the device itself."""
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Closes the device."""
 
 

@@ -132,7 +132,9 @@ def _count(names: Iterable[str]) -> Iterable[tuple[int, str]]:
 def _find_profiles(active: str) -> list[str]:
     """Returns the names of profiles that did not come with the program, the active one first."""
     shipped = {path.stem for path in find_shipped_folder().glob("*.yaml")}
-    names = [active, *list_profiles()]
+    names = [active]
+    with suppress(NeuroTouchError):  # the doctor's findings say so
+        names += list_profiles()
     with suppress(NeuroTouchError):
         names += load_user().slots
     return [name for name in names if name and name not in shipped]

@@ -34,21 +34,19 @@ class Check:
 def examine(
     checks: Iterable[Check],
     *,
-    patience: float = 1.0,
     tell: Callable[[str], object] = str,  # says nothing
 ) -> Iterator[Finding]:
     """Runs the checks in order; yields each finding as soon as it is known.
 
     Args:
         checks: the checks.
-        patience: factor on all time limits, for slow machines.
         tell: called with a sentence about a slow check, and again every ten seconds.
     """
     for check in checks:
-        yield replace(_look(check, check.patience_s * patience, tell), check=check.name)
+        yield replace(_look(check, tell), check=check.name)
 
 
-def _look(check: Check, patience_s: float, tell: Callable[[str], object]) -> Finding:
+def _look(check: Check, tell: Callable[[str], object]) -> Finding:
     """Returns the finding of a check; a check that takes too long is abandoned."""
     findings: list[Finding] = []
 
@@ -67,16 +65,16 @@ def _look(check: Check, patience_s: float, tell: Callable[[str], object]) -> Fin
     thread = threading.Thread(target=work, name=f"check {check.name}", daemon=True)
     thread.start()
     begun_s = time.monotonic()
-    thread.join(min(TELL_S, patience_s))
-    while thread.is_alive() and (passed_s := time.monotonic() - begun_s) < patience_s:
+    thread.join(min(TELL_S, check.patience_s))
+    while thread.is_alive() and (passed_s := time.monotonic() - begun_s) < check.patience_s:
         tell(
-            f"Checking: {check.name}. {passed_s:.0f} s of at most {patience_s:.0f} s; the first "
-            "time on a machine it compiles."
+            f"Checking: {check.name}. {passed_s:.0f} s of at most {check.patience_s:.0f} s; the "
+            "first time on a machine it compiles."
         )
-        thread.join(min(TELL_AGAIN_S, patience_s - passed_s))
+        thread.join(min(TELL_AGAIN_S, check.patience_s - passed_s))
     if thread.is_alive():
         return fail(
-            f"There was no answer within {patience_s:.0f} s.",
+            f"There was no answer within {check.patience_s:.0f} s.",
             "A driver or a library hangs. Try again; if it happens again, report this.",
         )
     return findings[0] if findings else fail("The check itself failed.", "Report this as a bug.")

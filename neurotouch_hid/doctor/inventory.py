@@ -103,10 +103,10 @@ def _clean(file: Path) -> str:
     return "".join(char for char in text if char.isprintable())
 
 
-def find_processes(names: set[str], processes: Path = _PROCESSES) -> tuple[Process, ...]:
+def find_processes(names: set[str]) -> tuple[Process, ...]:
     """Returns the running programs with one of these names, by command or by script."""
     found = []
-    for folder in processes.glob("[0-9]*"):
+    for folder in _PROCESSES.glob("[0-9]*"):
         with suppress(OSError):  # it has ended
             for name in _list_names(folder):
                 if name in names:

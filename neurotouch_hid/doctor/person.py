@@ -46,16 +46,15 @@ def check_profiles() -> Finding:
     return approve(f"{len(names)} profiles are in order; '{user.slots[0]}' plays first.")
 
 
-def check_calibration(file: Path | None = None) -> Finding:
+def check_calibration() -> Finding:
     """Checks whether the person is calibrated, and how long ago."""
-    file = file or find_user_file()
     ranges = load_user().range
     measured = [name for name in type(ranges).model_fields if getattr(ranges, name) is not None]
     if not measured:
         return skip(
             "Not calibrated: the reference hand is assumed. To calibrate: neurotouch calibrate"
         )
-    found = _CALIBRATED.search(read_text(file, MAX_SETTINGS_BYTES))
+    found = _CALIBRATED.search(read_text(find_user_file(), MAX_SETTINGS_BYTES))
     sentence = f"{len(measured)} of 8 movements are calibrated"
     if found is None:
         return approve(f"{sentence}, by hand.")

@@ -11,6 +11,7 @@ from typing import Final
 
 from neurotouch_hid.doctor.finding import Finding, approve, skip, warn
 from neurotouch_hid.doctor.inventory import find_processes
+from neurotouch_hid.players import find_home
 
 _STEAM: Final = {"steam", "steamwebhelper"}
 _REMAPPERS: Final = {
@@ -29,7 +30,7 @@ _REMAPPERS: Final = {
     "scc-daemon": "SC Controller",
     "qjoypad": "QJoyPad",
 }
-_FLATPAKS: Final = (Path("/var/lib/flatpak"), Path("~/.local/share/flatpak"))
+_FLATPAK: Final = Path("/var/lib/flatpak")
 _SNAPS: Final = Path("/snap")
 _PLAYERS: Final = {
     "com.valvesoftware.Steam": "Steam",
@@ -74,10 +75,11 @@ def check_remappers() -> Finding:
 
 
 def check_sandboxes(
-    flatpaks: tuple[Path, ...] = _FLATPAKS, snaps: Path = _SNAPS, home: Path | None = None
+    flatpaks: tuple[Path, ...] = (), snaps: Path = _SNAPS, home: Path | None = None
 ) -> Finding:
     """Checks whether games and browsers in sandboxes can see game controllers."""
-    home = home or Path("~").expanduser()
+    home = home or find_home()
+    flatpaks = flatpaks or (_FLATPAK, home / ".local/share/flatpak")
     shut = list(_find_shut_flatpaks(flatpaks, home))
     caged = [name for name in _SNAP_PLAYERS if (snaps / name).is_dir()]
     if not shut and not caged:
@@ -95,7 +97,7 @@ def check_sandboxes(
 
 def _find_shut_flatpaks(folders: tuple[Path, ...], home: Path) -> Iterator[str]:
     for app in _PLAYERS:
-        for folder in (folder.expanduser() for folder in folders):
+        for folder in folders:
             metadata = folder / "app" / app / "current/active/metadata"
             if not metadata.exists():
                 continue
@@ -118,7 +120,7 @@ def _read_devices(file: Path) -> list[str]:
 
 def check_desktop() -> Finding:
     """Checks whether the desktop filters keys, which would filter ours twice."""
-    on = [*_ask_gnome(), *_ask_kde(Path("~/.config/kaccessrc").expanduser())]
+    on = [*_ask_gnome(), *_ask_kde(find_home() / ".config/kaccessrc")]
     if not on:
         if not os.environ.get("XDG_CURRENT_DESKTOP"):
             return skip("No desktop runs here.")

@@ -35,7 +35,7 @@ class KernelFiles:
 
     @cached_property
     def folder(self) -> Path:
-        """The folder in which they are written."""
+        """The folder in which they are written, without those of other states of the package."""
         folder = _find_folder(self._source.parent)
         _remove_others(folder, self._source.stem, self._state)
         return folder
@@ -47,7 +47,7 @@ class KernelFiles:
             key: everything that it depends on, apart from the source; its ``repr`` counts.
             ending: of its name.
         """
-        return self.folder / self._make_name(key, ending)
+        return _find_folder(self._source.parent) / self._make_name(key, ending)
 
     def find_packaged(self, key: object, ending: str) -> Path:
         """Returns the path of a file that a package brings along, beside Python's own cache.

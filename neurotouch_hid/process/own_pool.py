@@ -1,7 +1,8 @@
 """Processes of our own that share out a long work."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+import signal
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib import import_module
@@ -18,40 +19,50 @@ With a longer folder each process imports for itself."""
 
 
 @contextmanager
-def open_pool(
-    jobs: int, prepare: Callable[[], object] | None = None, modules: Sequence[str] = ()
-) -> Iterator[ProcessPoolExecutor]:
+def open_pool(jobs: int, modules: Sequence[str] = ()) -> Iterator[ProcessPoolExecutor]:
     """Gives processes of our own that work beside this one; they end with the block.
+
+    At Ctrl-C, which reaches every process of a terminal, they end and say nothing.
 
     They are forked from a server of Python's, which has imported modules and done nothing else. To
     fork this process is not safe: it may have loaded kernels and OpenCV's threads.
 
     Args:
         jobs: how many at once.
-        prepare: is called in each before it works.
         modules: names of modules that each needs. The server imports them, once for all; it is the
             same for all pools of this process, and only the first one counts.
+
+    Raises:
+        OSError: there is no memory that processes can share, for instance.
     """
-    before = os.environ.get("PYTHONSAFEPATH")
-    os.environ["PYTHONSAFEPATH"] = "1"  # what ``-P`` is to a command
     is_short = len(os.fsencode(gettempdir())) <= _LONGEST_FOLDER
     context = get_context("forkserver" if is_short else "spawn")
     context.set_forkserver_preload([_QUICKLY, *modules])
-    pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin, initargs=(prepare,))
+    with _without_current_folder():
+        pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin)
+        try:
+            yield pool
+        finally:
+            for process in active_children():  # those that still work, after an error or Ctrl-C
+                process.terminate()
+            pool.shutdown()
+
+
+@contextmanager
+def _without_current_folder() -> Iterator[None]:
+    """Lets what Python starts import nothing from the current folder: ``-P`` of a command."""
+    before = os.environ.get("PYTHONSAFEPATH")
+    os.environ["PYTHONSAFEPATH"] = "1"
     try:
-        yield pool
+        yield
     finally:
         if before is None:
             del os.environ["PYTHONSAFEPATH"]
         else:
             os.environ["PYTHONSAFEPATH"] = before
-        for process in active_children():  # those that still work, after an error or Ctrl-C
-            process.terminate()
-        pool.shutdown()
 
 
-def _begin(prepare: Callable[[], object] | None) -> None:
+def _begin() -> None:
     """Prepares a process of a pool."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
     import_module(_QUICKLY)  # up to Python 3.12 the server does not find the Debian package
-    if prepare is not None:
-        prepare()

@@ -10,9 +10,9 @@ import struct
 from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
-from typing import Final, Self
+from typing import Final
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.files.small_file import open_regular, suggest_reading
 from neurotouch_hid.recording.compression import MAX_BYTES, TooLargeError, decompress
@@ -36,7 +36,7 @@ class DamageError(Exception):
         self.what = what
 
 
-class Container:
+class Container(Closing):
     """An open recording; several walks can read it side by side.
 
     Args:
@@ -90,17 +90,6 @@ class Container:
     def close(self) -> None:
         """Closes the file."""
         os.close(self._descriptor)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
     def _unpack(self, position: int, begin: int, size: int) -> bytes | memoryview:
         # Nothing grows by being compressed, but for a few bytes for each block.

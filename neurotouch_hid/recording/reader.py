@@ -7,12 +7,12 @@ too: a camera gives so many events and frames in a moment, and more are damage.
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from types import TracebackType
-from typing import Final, Self, TypeVar
+from typing import Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.events import copy_events
 from neurotouch_hid.messages import EVENT_DTYPE, Frame
@@ -132,7 +132,7 @@ def _find(streams: dict[int, Stream], kind: str) -> int | None:
     return next((number for number, stream in streams.items() if stream.kind == kind), None)
 
 
-class _Reading:
+class _Reading(Closing):
     """One reading of a file: two walks, and the first damage that one of them meets."""
 
     def __init__(
@@ -176,15 +176,8 @@ class _Reading:
             f"'{self._path}' {self._damage} {where}.", hint="Copy it again from its origin."
         )
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """Closes the file."""
         self._file.close()
 
     def _walk(

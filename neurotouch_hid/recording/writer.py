@@ -2,7 +2,6 @@
 
 from array import array
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -142,12 +141,7 @@ class RecordingWriter:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, *_: object) -> None:
         if kind is None or self._output.in_place:
             self.close()
         else:

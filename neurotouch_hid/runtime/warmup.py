@@ -4,12 +4,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from neurotouch_hid.geometry import NOMINAL_PX_PER_MM, PAPER_GEL, Gel, Rig
+from neurotouch_hid.gesture import GestureConfig, GestureRecognizer
 from neurotouch_hid.messages import (
     EVENT_DTYPE,
     SENSOR_HEIGHT_PX,
     SENSOR_WIDTH_PX,
     EventPacket,
     Frame,
+    MarkerField,
 )
 from neurotouch_hid.runtime.pipeline import Pipeline
 
@@ -27,8 +29,7 @@ def warm_up(pipeline: Pipeline, gel: Gel = PAPER_GEL) -> None:
         pipeline: built for the gel.
         gel: the gel that is drawn.
     """
-    still = _RIG.to_px(gel.points_mm)
-    pushed = still + np.exp(-((gel.points_mm / 12) ** 2).sum(1, keepdims=True)) * (10.0, 0.0)
+    still, pushed = _place_markers(gel)
     pipeline.advance(EventPacket(-_SLICE_US, 0, _spread(still, -_SLICE_US)))  # no frame yet
     for k, position_px in enumerate((still, still, pushed, pushed)):
         t_us = k * _SLICE_US
@@ -38,6 +39,27 @@ def warm_up(pipeline: Pipeline, gel: Gel = PAPER_GEL) -> None:
     frame = Frame(frame.pixels, _EVENTLESS_US, _EVENTLESS_US + _SLICE_US // 2)  # frames alone
     pipeline.advance(EventPacket(_EVENTLESS_US, _EVENTLESS_US + _SLICE_US, events[:0], (frame,)))
     pipeline.close()
+
+
+def warm_up_gestures(config: GestureConfig, gel: Gel = PAPER_GEL) -> None:
+    """Recognises a push in markers that are known; no event and no frame is needed for that.
+
+    Args:
+        config: of the recogniser.
+        gel: the gel.
+    """
+    recognizer = GestureRecognizer(config, gel)
+    still_px, pushed_px = (each.astype(np.float32) for each in _place_markers(gel))
+    valid = np.ones(gel.n_markers, np.bool_)
+    for k, position_px in enumerate((still_px, still_px, pushed_px, pushed_px)):
+        recognizer.update(MarkerField(k * _SLICE_US, still_px, position_px, valid, gel))
+
+
+def _place_markers(gel: Gel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Returns the markers of a gel at rest, and of one pushed to the right, px."""
+    still = _RIG.to_px(gel.points_mm)
+    pushed = still + np.exp(-((gel.points_mm / 12) ** 2).sum(1, keepdims=True)) * (10.0, 0.0)
+    return still, pushed
 
 
 def _draw(position_px: NDArray[np.float64]) -> NDArray[np.uint8]:

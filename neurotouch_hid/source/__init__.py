@@ -20,7 +20,6 @@ if TYPE_CHECKING:
         Source,
         Troubled,
     )
-    from neurotouch_hid.source.slicer import Slicer, slice_recording
 else:
     __getattr__ = load_lazily(
         __name__,
@@ -30,7 +29,6 @@ else:
             "protocol": "ActivityAware FactTelling Periodic PictureSource PolledSource "
             "SizedSource Source "
             "Troubled",
-            "slicer": "Slicer slice_recording",
         },
     )
 
@@ -42,10 +40,8 @@ __all__ = [
     "PictureSource",
     "PolledSource",
     "SizedSource",
-    "Slicer",
     "Source",
     "Troubled",
     "check_source",
     "open_source",
-    "slice_recording",
 ]

@@ -35,8 +35,6 @@ class MouseSource(Closing):
 
     Args:
         folder: the driver's own; the socket is made there.
-        slice_us: length of a slice.
-        seed: of all that is random.
         gel: the gel that is simulated.
 
     Raises:
@@ -48,9 +46,7 @@ class MouseSource(Closing):
 
     rig: Rig | None = None
 
-    def __init__(
-        self, folder: Path, *, slice_us: int = SLICE_US, seed: int = 0, gel: Gel = PAPER_GEL
-    ) -> None:
+    def __init__(self, folder: Path, *, gel: Gel = PAPER_GEL) -> None:
         self.name = "sim:mouse"
         self._path = folder / HAND
         try:
@@ -60,18 +56,17 @@ class MouseSource(Closing):
                 f"Cannot open the socket of the mouse gel: {error.strerror} ({self._path})."
             ) from error
         self._peers: list[socket.socket] = []
-        self._slice_us = slice_us
         self._pending: deque[tuple[int, float]] = deque(maxlen=1000)
         self._late_s = 0.0
         self._lags_ms: deque[float] = deque(maxlen=250)
         hand, config = GuidedHand(self._ask, self._note, gel), SimulatorConfig().show(gel)
-        self._simulator = Simulator(hand, config, seed=seed, slice_us=slice_us)
+        self._simulator = Simulator(hand, config, seed=0, slice_us=SLICE_US)
 
     def __iter__(self) -> Iterator[EventPacket]:
         packets = iter(self._simulator)
         due_s = time.monotonic()
         while True:
-            due_s += 1e-6 * self._slice_us
+            due_s += 1e-6 * SLICE_US
             wait_s = due_s - time.monotonic()
             self._late_s = max(-wait_s, 0.0)
             if wait_s > 0.0:

@@ -1,7 +1,6 @@
 """Interfaces that sources implement."""
 
 from collections.abc import Iterator
-from types import TracebackType
 from typing import TYPE_CHECKING, Protocol, Self, runtime_checkable
 
 from neurotouch_hid.driver_state import SourceFacts
@@ -41,12 +40,7 @@ class Source(Protocol):
         """Returns the source itself."""
         ...
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Closes it."""
         ...
 

@@ -10,6 +10,8 @@ import pytest
 
 from neurotouch_hid.client import ask_status
 from neurotouch_hid.profile import load_user
+from tests.processes import run_command, start_neurotouch
+from tests.waiting import wait_until
 
 PLAYED = """
 import sys
@@ -39,15 +41,7 @@ def home(tmp_path, monkeypatch):
 
 
 def launch(*arguments, answers=""):
-    return subprocess.run(
-        [sys.executable, *arguments],
-        input=answers,
-        capture_output=True,
-        text=True,
-        check=False,
-        env=dict(os.environ),
-        timeout=300,
-    )
+    return run_command(sys.executable, *arguments, code=None, input=answers, env=dict(os.environ))
 
 
 def conclude(script, *options, answers=""):
@@ -160,13 +154,8 @@ def test_ten_calibrations_are_kept(home):
 
 
 def test_a_movement_is_asked_for_and_read_out_while_the_gel_is_live():
-    command = [sys.executable, "-m", "neurotouch_hid", "calibrate", "push_right"]
-    with subprocess.Popen(
-        [*command, "--source", "sim:push-right"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    ) as process:
+    words = ("calibrate", "push_right", "--source", "sim:push-right")
+    with start_neurotouch(*words, stdin=subprocess.PIPE, stderr=None) as process:
         process.stdin.write("\n\n")
         process.stdin.flush()  # the pipe stays open, as a keyboard does
         lines = process.stdout.read().splitlines()
@@ -180,10 +169,8 @@ def test_a_movement_is_asked_for_and_read_out_while_the_gel_is_live():
 
 
 def test_time_that_is_over_before_the_first_step_is_told(home):
-    command = (sys.executable, "-m", "neurotouch_hid", "calibrate", "--source", "sim:rest")
-    with subprocess.Popen(
-        [*command, "--seconds", "1"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-    ) as process:
+    words = ("calibrate", "--source", "sim:rest", "--seconds", "1")
+    with start_neurotouch(*words, stdin=subprocess.PIPE, stderr=None) as process:
         lines = process.stdout.read().splitlines()  # the input stays open, as a keyboard does
     assert process.returncode == 0
     assert lines[3:] == [
@@ -235,14 +222,8 @@ def test_one_can_stop_at_any_time(home):
 def driver(tmp_path_factory, monkeypatch):
     """A driver that plays every gesture, again and again."""
     monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path_factory.mktemp("run") / "neurotouch"))
-    process = subprocess.Popen(
-        [
-            *(sys.executable, "-m", "neurotouch_hid", "run", "--source", "sim:tour"),
-            *("--device", "memory", "--show", "nothing"),
-        ],
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    options = ("--source", "sim:tour", "--device", "memory", "--show", "nothing")
+    process = start_neurotouch("run", *options, stdout=None)
     for line in process.stderr:
         if "Gamepad ready" in line:
             break
@@ -253,12 +234,8 @@ def driver(tmp_path_factory, monkeypatch):
 
 def test_what_the_running_driver_sees_is_measured_and_the_driver_paused_meanwhile(home, driver):
     said = []
-    with subprocess.Popen(
-        [sys.executable, "-m", "neurotouch_hid", "calibrate", "push_right", "push_left"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
+    with start_neurotouch(
+        "calibrate", "push_right", "push_left", stdin=subprocess.PIPE, stderr=subprocess.STDOUT
     ) as process:
         for line in process.stdout:
             said.append(line)
@@ -276,10 +253,7 @@ def test_what_the_running_driver_sees_is_measured_and_the_driver_paused_meanwhil
     assert "SIMULATED" in text
     assert "The running driver is paused until this ends." in text
     assert "The driver goes on." in text
-    deadline = time.monotonic() + 60.0
-    while ask_status()["state"] != "running":
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    wait_until(lambda: ask_status()["state"] == "running")
 
 
 def test_what_is_saved_acts_in_the_running_driver_at_once(home, driver):
@@ -294,12 +268,8 @@ def test_what_is_saved_acts_in_the_running_driver_at_once(home, driver):
 def talk(answer, *arguments):
     """Runs it with a pipe that stays open, as a keyboard does; ``answer`` gets it and each line."""
     said = []
-    with subprocess.Popen(
-        [sys.executable, "-m", "neurotouch_hid", "calibrate", *arguments],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
+    with start_neurotouch(
+        "calibrate", *arguments, stdin=subprocess.PIPE, stderr=subprocess.STDOUT
     ) as process:
         for line in process.stdout:
             said.append(line.strip())

@@ -7,7 +7,6 @@ import json
 import os
 import signal
 import subprocess
-import time
 
 import pytest
 from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Fault, Identity
@@ -15,6 +14,7 @@ from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Fault, Id
 from tests.cli.test_record import LIMIT_S, wait_for_size
 from tests.emulator.stage import SCENE, finish, plug_in, run, start
 from tests.recording.test_writer import count, count_with_the_maker
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.filterwarnings("ignore:DynamicImporter:ImportWarning")  # gi's own
 
@@ -93,10 +93,7 @@ def test_a_recording_of_a_stream_out_of_step_is_not_ok(plug, monkeypatch, tmp_pa
 
 
 def wait_for_count(path, expected):
-    deadline = time.monotonic() + LIMIT_S
-    while count(path) != expected:  # readable at every moment
-        assert time.monotonic() < deadline
-        time.sleep(0.2)
+    wait_until(lambda: count(path) == expected)  # readable at every moment
 
 
 def test_a_recording_outlives_its_camera(plug, monkeypatch, tmp_path):

@@ -12,26 +12,11 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.source.simulator import find_scene, scene_names
+from tests.processes import run_command, run_neurotouch, start_neurotouch
 
 
-def neurotouch(*arguments, timeout=300, **kwargs):
-    return subprocess.run(
-        [sys.executable, "-m", "neurotouch_hid", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=timeout,
-        check=False,
-        **kwargs,
-    )
-
-
-def start(*arguments):
-    return subprocess.Popen(
-        [sys.executable, "-m", "neurotouch_hid", *map(str, arguments)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+def neurotouch(*arguments, **kwargs):
+    return run_neurotouch(*arguments, code=None, **kwargs)
 
 
 def wait_ready(process):
@@ -57,7 +42,7 @@ def test_help_imports_nothing_heavy():
         "cli.main(['--help'], standalone_mode=False)\n"
         f"print([name for name in {HEAVY!r} if name in sys.modules])"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = run_command(sys.executable, "-c", code)
     assert done.stdout.splitlines()[-1] == "[]"
 
 
@@ -77,21 +62,8 @@ def test_a_source_that_is_not_there_is_refused_before_anything_heavy_is_imported
         "except NeuroTouchError as error:\n"
         "    print(error.exit_code, [name for name in ('numba', 'evdev') if name in sys.modules])"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    done = run_command(sys.executable, "-c", code, code=None)
     assert done.stdout.strip() in ("3 []", "4 []"), done.stderr
-
-
-@pytest.mark.parametrize(
-    "command",
-    [
-        *("run", "demo", "simulate", "evaluate", "bench", "record"),
-        *("devices", "doctor", "diagnostics", "completion"),
-    ],
-)
-def test_every_command_has_help_with_examples(command):
-    done = neurotouch(command, "--help")
-    assert done.returncode == 0
-    assert "Examples:" in done.stdout
 
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
@@ -202,7 +174,9 @@ def test_run_takes_as_many_slices_a_second_as_wanted(tmp_path):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize("n_times", [1, 2])
 def test_signal_while_playing_is_an_orderly_end(number, n_times):
-    process = start("run", "--source", "sim:tour", "--device", "memory", "--show", "nothing")
+    process = start_neurotouch(
+        "run", "--source", "sim:tour", "--device", "memory", "--show", "nothing"
+    )
     wait_ready(process)
     for _ in range(n_times):
         process.send_signal(number)
@@ -215,7 +189,9 @@ def test_signal_while_playing_is_an_orderly_end(number, n_times):
 
 @pytest.mark.parametrize("library", ["numpy", "pydantic_core", "_helperlib"])  # the last: kernels
 def test_ctrl_c_while_libraries_are_imported_is_no_traceback(library):
-    process = start("run", "--source", "sim:tour", "--device", "memory", "--show", "nothing")
+    process = start_neurotouch(
+        "run", "--source", "sim:tour", "--device", "memory", "--show", "nothing"
+    )
     maps = Path(f"/proc/{process.pid}/maps")
     while library not in maps.read_text():
         assert process.poll() is None
@@ -233,10 +209,7 @@ def test_who_lacks_the_development_tools_is_told_how_to_get_them(command):
         "import sys; sys.modules['neurotouch_devtools'] = None\n"
         "from neurotouch_hid.__main__ import main; main()"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", program, *command], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 1
+    done = run_command(sys.executable, "-c", program, *command, code=1)
     assert "belongs to the development tools" in done.stderr
     assert "pip install ./devtools" in done.stderr
 
@@ -347,9 +320,6 @@ main()
 
 
 def test_the_end_of_a_file_is_not_taken_for_ctrl_d():
-    done = subprocess.run(
-        [sys.executable, "-c", FAILING], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 1
+    done = run_command(sys.executable, "-c", FAILING, code=1)
     assert "EOFError: half a file" in done.stderr
     assert "Stopped." not in done.stderr

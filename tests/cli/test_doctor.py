@@ -1,39 +1,24 @@
 """``doctor``, ``devices``, ``diagnostics`` and ``neurotouch`` alone, as a user types them."""
 
 import json
-import os
 import subprocess
-import sys
 
 import pytest
 
 from neurotouch_hid.cli.doctor import _write_script
 from neurotouch_hid.doctor import CheckStatus, Finding, list_checks
+from tests.processes import make_environment, run_command, run_neurotouch
 
-PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
 STATUS = ("OK", "WARNING", "FAILED", "SKIPPED")
 
 
 @pytest.fixture(scope="module")
 def call(tmp_path_factory):
     folder = tmp_path_factory.mktemp("person")
-    environment = {
-        **os.environ,
-        "RUNTIME_DIRECTORY": str(folder / "run"),
-        "XDG_CONFIG_HOME": str(folder / "config"),
-        "XDG_CACHE_HOME": str(folder / "cache"),
-    }
+    environment = make_environment(folder) | {"XDG_CACHE_HOME": str(folder / "cache")}
 
     def call(*arguments):
-        return subprocess.run(
-            [*PROGRAM, *map(str, arguments)],
-            capture_output=True,
-            text=True,
-            timeout=300,
-            check=False,
-            env=environment,
-            stdin=subprocess.DEVNULL,
-        )
+        return run_neurotouch(*arguments, code=None, env=environment, stdin=subprocess.DEVNULL)
 
     return call
 
@@ -84,7 +69,7 @@ def test_the_script_does_what_the_findings_say_and_nothing_twice(tmp_path):
     assert script.startswith("#!/bin/sh\n")
     assert "# FAILED a: Broken.\n# Mend it.\n# This way.\n" in script
     assert "sudo" not in script
-    done = subprocess.run(["sh", "-c", script], capture_output=True, text=True, check=True)
+    done = run_command("sh", "-c", script)
     assert (tmp_path / "done").read_text() == "it's 0\nit's 1\nit's 2\n"
     assert done.stdout.splitlines() == [f"+ {mark}" for mark in marks]
 

@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 
 from neurotouch_hid.cli.main import cli
-from neurotouch_hid.driver.gel_file import find_gel_folder, load_gel
+from neurotouch_hid.driver.gel_file import choose_gel, find_gel_folder
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.geometry import PAPER_GEL
 
@@ -42,7 +42,7 @@ def test_from_the_questions_to_the_folder_without_a_terminal(home):
     assert code == 0
     path = find_gel_folder() / "gel.yaml"
     assert str(path) in output
-    assert load_gel(path).n_markers == 177
+    assert choose_gel(str(path)).gel.n_markers == 177
     output, code = run("show", "--svg", "gel.svg")
     assert code == 0
     assert "86 mm" in output
@@ -68,7 +68,7 @@ def test_a_file_that_is_there_stays(home):
     assert (home / "mine.yaml").read_text() == "mine"
     output, code = run("new", "mine.yaml", *ANSWERS, "--force", "--name", "try")
     assert code == 0
-    assert load_gel(home / "mine.yaml").name == "try"
+    assert choose_gel(str(home / "mine.yaml")).gel.name == "try"
 
 
 def test_the_same_figures_as_json():
@@ -116,7 +116,7 @@ def test_the_questions_are_asked_in_a_terminal(home):
             os.write(ours, answer)
         assert process.wait(120) == 0
     os.close(ours)
-    gel = load_gel(home / "asked.yaml")
+    gel = choose_gel(str(home / "asked.yaml")).gel
     assert gel.radius_mm == 24.0
     text = (home / "asked.yaml").read_text()
     assert "name: board" in text

@@ -17,48 +17,22 @@ from neurotouch_hid.driver_state import read_head
 from neurotouch_hid.monitor.cue import CueKind
 from neurotouch_hid.monitor.tone import make_wave
 from neurotouch_hid.subscriber import Subscriber
+from tests.processes import PROGRAM, Process, make_environment, run_command, run_neurotouch
+from tests.waiting import LIMIT_S, wait_until
 
-LIMIT_S = 180.0
 HEAVY = ("click", "numpy", "numba", "cv2", "pydantic", "ruamel", "evdev", "asyncio", "threading")
 
-PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
 RUN = [*PROGRAM, "run", "--source", "sim:tour", "--device", "memory"]
 
 
-class Driver:
-    """``neurotouch run`` in a process of its own, with folders of its own."""
+class Driver(Process):
+    """``neurotouch run`` with a trace."""
 
     def __init__(self, folder: Path) -> None:
-        self.folder = folder
         self.trace = folder / "trace.jsonl"
-        self.environment = {
-            **os.environ,
-            "RUNTIME_DIRECTORY": str(folder / "run"),
-            "XDG_CONFIG_HOME": str(folder / "config"),
-            "PATH": f"{folder / 'bin'}:{os.environ['PATH']}",
-        }
-        self._log = folder / "stderr.txt"
-        with self._log.open("w") as log:
-            self.process = subprocess.Popen(
-                [*RUN, "--show", "nothing", "--trace", str(self.trace)],
-                stderr=log,
-                env=self.environment,
-            )
-        self.wait(lambda: "Gamepad ready" in self.said)
-
-    @property
-    def said(self) -> str:
-        return self._log.read_text()
-
-    def call(self, *arguments: str) -> subprocess.CompletedProcess:
-        return subprocess.run(
-            [*PROGRAM, *arguments],
-            capture_output=True,
-            text=True,
-            check=False,
-            env=self.environment,
-            timeout=LIMIT_S,
-        )
+        command = (*RUN[len(PROGRAM) :], "--show", "nothing", "--trace", str(self.trace))
+        path = f"{folder / 'bin'}:{os.environ['PATH']}"
+        super().__init__(folder, *command, ready="Gamepad ready", PATH=path)
 
     def do(self, *arguments: str) -> str:
         done = self.call(*arguments)
@@ -71,13 +45,6 @@ class Driver:
 
     def status(self) -> dict:
         return json.loads(self.do("status", "--json"))
-
-    def wait(self, happened) -> None:
-        deadline = time.monotonic() + LIMIT_S
-        while not happened():
-            assert self.process.poll() is None, self.said
-            assert time.monotonic() < deadline, self.said
-            time.sleep(0.05)
 
     def end(self) -> list[dict]:
         """Ends it, with nothing pressed; what it did slice by slice."""
@@ -284,14 +251,7 @@ def test_killed_driver_leaves_no_obstacle(start):
 
 @pytest.mark.parametrize("command", ["pause", "resume", "reload", "status"])
 def test_without_a_driver_each_command_says_so(command, tmp_path):
-    done = subprocess.run(
-        [*PROGRAM, command],
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, "RUNTIME_DIRECTORY": str(tmp_path)},
-    )
-    assert done.returncode == 8
+    done = run_neurotouch(command, code=8, env=make_environment(tmp_path))
     assert done.stderr == (
         "Error: No driver is running.\nFix: Start it: neurotouch run. "
         "Without a camera: neurotouch demo\n"
@@ -302,13 +262,7 @@ def test_without_a_driver_each_command_says_so(command, tmp_path):
 @pytest.mark.parametrize("json_", [(), ("--json",)])
 def test_stop_and_panic_without_a_driver_claim_nothing(json_, tmp_path):
     def call(command):
-        return subprocess.run(
-            [*PROGRAM, command, *json_],
-            capture_output=True,
-            text=True,
-            check=False,
-            env={**os.environ, "RUNTIME_DIRECTORY": str(tmp_path)},
-        )
+        return run_neurotouch(command, *json_, code=None, env=make_environment(tmp_path))
 
     done = call("stop")
     assert done.returncode == 0, done.stderr
@@ -322,12 +276,6 @@ def test_stop_and_panic_without_a_driver_claim_nothing(json_, tmp_path):
     assert "Stopped" not in said
 
 
-@pytest.mark.parametrize("command", ["pause", "resume", "panic", "stop", "reload", "status"])
-def test_each_command_has_help_with_examples(command):
-    done = subprocess.run([*PROGRAM, command, "--help"], capture_output=True, text=True, check=True)
-    assert "Examples:" in done.stdout
-
-
 @pytest.mark.parametrize("order", ["pause", "resume", "panic", "stop"])
 def test_orders_import_next_to_nothing(order, tmp_path):
     code = (
@@ -336,21 +284,20 @@ def test_orders_import_next_to_nothing(order, tmp_path):
         "try: main()\n"
         f"finally: print([name for name in {HEAVY!r} if name in sys.modules], len(sys.modules))"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, "RUNTIME_DIRECTORY": str(tmp_path)},
+    done = run_command(
+        sys.executable,
+        "-c",
+        code,
+        code=0 if order == "stop" else 8,
+        env=make_environment(tmp_path),
     )
-    assert done.returncode == (0 if order == "stop" else 8)
     found, n_modules = done.stdout.splitlines()[-1].rsplit(" ", 1)
     assert found == "[]"
     assert int(n_modules) < 120
 
 
 def test_closing_the_terminal_ends_the_driver(tmp_path):
-    environment = {**os.environ, "RUNTIME_DIRECTORY": str(tmp_path / "run")}
+    environment = make_environment(tmp_path)
     log = tmp_path / "stderr.txt"
     pid, terminal = pty.fork()
     if pid == 0:
@@ -359,18 +306,11 @@ def test_closing_the_terminal_ends_the_driver(tmp_path):
         signal.signal(signal.SIGHUP, signal.SIG_DFL)  # also where the tests run under nohup
         os.execve(RUN[0], [*RUN, "--show", "nothing"], environment)
     try:
-        deadline = time.monotonic() + LIMIT_S
-        while not log.exists() or "Gamepad ready" not in log.read_text():
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
+        wait_until(lambda: log.exists() and "Gamepad ready" in log.read_text())
         os.kill(pid, signal.SIGHUP)  # the terminal is still there: this means reload
-        while "has been reloaded" not in log.read_text():
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
+        wait_until(lambda: "has been reloaded" in log.read_text())
         os.close(terminal)
-        while (ended := os.waitpid(pid, os.WNOHANG)) == (0, 0):
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
+        ended = wait_until(lambda: any(ended := os.waitpid(pid, os.WNOHANG)) and ended)
     except BaseException:
         os.kill(pid, signal.SIGKILL)
         raise
@@ -393,10 +333,7 @@ def test_profiles_are_still_changed_when_the_terminal_has_gone(tmp_path, monkeyp
             os.close(terminal)
             for name in ("flight", "racing"):
                 ask("use", profile=name)
-                deadline = time.monotonic() + LIMIT_S
-                while ask("status")["profile"] != name:
-                    assert time.monotonic() < deadline
-                    time.sleep(0.05)
+                wait_until(lambda name=name: ask("status")["profile"] == name)
         finally:
             process.kill()
 

@@ -5,7 +5,6 @@ import re
 import shutil
 import socket
 import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,9 +13,9 @@ from jeepney import HeaderFields, MessageType, message_bus, new_method_return
 from jeepney.io.blocking import DBusConnection, Proxy, open_dbus_connection
 
 from tests.desktop.programs import session_bus
+from tests.processes import PROGRAM, make_environment, start_neurotouch
 
 LIMIT_S = 60.0
-PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
 SERVICE = "org.freedesktop.Notifications"
 ENTRY = Path(__file__).parents[2] / "packaging/desktop/neurotouch-hid.desktop"
 ACTIONS = re.findall(r"^Exec=neurotouch (?!view)(.*)$", ENTRY.read_text(), re.MULTILINE)
@@ -34,8 +33,7 @@ def environment(tmp_path) -> Iterator[dict[str, str]]:
     opener.chmod(0o755)
     with session_bus() as address:
         yield {
-            **os.environ,
-            "RUNTIME_DIRECTORY": str(tmp_path / "run"),
+            **make_environment(tmp_path),
             "DBUS_SESSION_BUS_ADDRESS": address,
             "DISPLAY": ":9",
             "PATH": f"{opener.parent}:{os.environ['PATH']}",
@@ -112,9 +110,7 @@ def test_a_script_shows_no_message(environment, service):
 
 
 def test_without_a_service_the_page_is_served_all_the_same(environment):
-    with subprocess.Popen(
-        [*PROGRAM, "view", "--open"], env=environment, stderr=subprocess.PIPE, text=True
-    ) as page:
+    with start_neurotouch("view", "--open", env=environment, stdout=None) as page:
         assert "No browser can be opened" in page.stderr.readline()
         assert page.poll() is None
         page.terminate()

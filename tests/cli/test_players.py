@@ -1,10 +1,7 @@
 """Several gels: a driver, a pad and a profile for each player; orders reach all of them."""
 
 import json
-import os
 import subprocess
-import sys
-import time
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -13,20 +10,15 @@ import pytest
 from neurotouch_hid.cli.shared.send_without_click import send_command
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.players import find_runtime_folder
-
-LIMIT_S = 180.0
-PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
+from tests.processes import PROGRAM, make_environment, run_neurotouch
+from tests.waiting import wait_until
 
 
 class Players:
     """Two drivers that run beside each other, with other profiles."""
 
     def __init__(self, folder: Path, closing: ExitStack) -> None:
-        self.environment = {
-            **os.environ,
-            "RUNTIME_DIRECTORY": str(folder / "run"),
-            "XDG_CONFIG_HOME": str(folder / "config"),
-        }
+        self.environment = make_environment(folder)
         for player, profile in ((1, "spacecraft"), (2, "racing")):
             options = ["--source", "sim:rest", "--device", "memory", "--show", "nothing"]
             log = closing.enter_context((folder / f"{player}.txt").open("w+"))
@@ -37,22 +29,11 @@ class Players:
             )
             closing.callback(process.wait)
             closing.callback(process.terminate)
-            deadline = time.monotonic() + LIMIT_S
-            while "Gamepad ready" not in Path(log.name).read_text():
-                assert time.monotonic() < deadline
-                assert process.poll() is None, Path(log.name).read_text()
-                time.sleep(0.05)
+            wait_until(lambda log=log.name: "Gamepad ready" in Path(log).read_text())
 
     def call(self, *arguments: str, player: str | None = None) -> subprocess.CompletedProcess:
         named = {} if player is None else {"NEUROTOUCH_PLAYER": player}
-        return subprocess.run(
-            [*PROGRAM, *arguments],
-            capture_output=True,
-            text=True,
-            check=False,
-            env={**self.environment, **named},
-            timeout=LIMIT_S,
-        )
+        return run_neurotouch(*arguments, code=None, env={**self.environment, **named})
 
     def states(self) -> list[str]:
         said = (self.call("status", "--json", player=player) for player in "12")
@@ -60,9 +41,7 @@ class Players:
 
     def wait_for(self, *states: str) -> None:
         """An order to a driver that is held up just then is obeyed a moment later."""
-        deadline = time.monotonic() + LIMIT_S
-        while (found := self.states()) != list(states):
-            assert time.monotonic() < deadline, found
+        wait_until(lambda: self.states() == list(states), self.states)
 
 
 @pytest.fixture(scope="module")

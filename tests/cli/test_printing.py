@@ -18,6 +18,7 @@ import neurotouch_hid
 from neurotouch_hid.cli.ui.output import echo, print_json, say, show_changes
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.printable import make_lines_printable, make_printable
+from tests.processes import run_neurotouch
 
 EVIL = "\x1b]0;owned\a\x1b[8m\u202e\x9b2K\x7f\udc80"
 CLI = Path(neurotouch_hid.__file__).with_name("cli")
@@ -100,20 +101,8 @@ def test_json_says_the_same_in_visible_characters(value):
 
 
 def test_a_command_line_is_quoted_without_what_steers():
-    done = subprocess.run(
-        [sys.executable, "-m", "neurotouch_hid", "profile", "show", "x\x1b[8m\u202e"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 6
+    done = run_neurotouch("profile", "show", "x\x1b[8m\u202e", code=6)
     assert done.stderr.startswith("Error: ")
     assert "\x1b" not in done.stderr
-    done = subprocess.run(
-        [sys.executable, "-m", "neurotouch_hid", "x\x1b[8m"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 2
+    done = run_neurotouch("x\x1b[8m", code=2)
     assert "\x1b" not in done.stderr

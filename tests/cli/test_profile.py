@@ -12,11 +12,7 @@ from ruamel.yaml import YAML
 from neurotouch_hid.cli.main import cli
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.profile.reading.library import find_shipped_folder
-
-SUBCOMMANDS = (
-    *("list", "show", "check", "diff", "history", "test", "new", "set", "bind", "unbind"),
-    *("undo", "upgrade", "use", "edit", "export", "import"),
-)
+from tests.processes import run_command, run_neurotouch
 
 
 @pytest.fixture(autouse=True)
@@ -40,15 +36,6 @@ def run(*arguments, answers=None):
 
 def own(home, name):
     return (home / "profiles" / f"{name}.yaml").read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(
-    "command", [*(f"profile {name}" for name in SUBCOMMANDS), "schema", "explain", "calibrate"]
-)
-def test_every_command_has_help_with_examples(command):
-    output, code = run(*command.split(), "--help")
-    assert code == 0
-    assert "Examples:" in output
 
 
 def test_a_shipped_profile_is_copied_changed_and_undone(home):
@@ -226,6 +213,7 @@ def test_what_is_exported_has_nothing_of_the_person(home, tmp_path):
     first, rest = own(home, "mine").split("\n", 1)
     assert str(home.parent) in first or "/" in first
     assert output == f"# yaml-language-server: $schema=profile-1.json\n{rest}"
+    assert run("profile", "export", "mine", "--output", "-") == (output, 0)
     path, user = tmp_path / "out.yaml", tmp_path / "me.yaml"
     assert run("profile", "export", "mine", "--output", path)[1] == 0
     assert path.read_text(encoding="utf-8") == output
@@ -520,16 +508,13 @@ def test_the_shell_completes_names_keys_and_codes():
     assert complete("profile", "set", "nope", "t") == []
     assert complete("explain", "nt20")[0] == "NT201"
     assert "calibrate" in complete("cal")
+    for command in ("run", "demo"):
+        assert complete(command, "--profile", "ra") == ["racing", "ra"]  # or a file
+    assert complete("demo", "--scene", "push-l") == ["push-left"]
 
 
 def test_output_in_a_pipe_is_plain_and_errors_have_their_code(home):
-    done = subprocess.run(
-        [sys.executable, "-m", "neurotouch_hid", "profile", "set", "racing", "x.y", "1"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 6
+    done = run_neurotouch("profile", "set", "racing", "x.y", "1", code=6)
     assert done.stderr.startswith("Error: No such key: 'x.y'.\nFix: ")
     assert "Traceback" not in done.stderr
     assert "\x1b" not in done.stdout + done.stderr
@@ -550,7 +535,7 @@ def test_a_command_imports_no_more_than_it_needs(arguments, absent):
         f"cli.main({list(arguments)!r}, standalone_mode=False)\n"
         f"print([name for name in {absent!r} if name in sys.modules])"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = run_command(sys.executable, "-c", code)
     assert done.stdout.splitlines()[-1] == "[]"
 
 
@@ -559,7 +544,7 @@ def test_the_names_of_profiles_need_no_models():
         "import sys; from neurotouch_hid.profile import list_profiles; list_profiles()\n"
         "print('pydantic' in sys.modules)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = run_command(sys.executable, "-c", code)
     assert done.stdout == "False\n"
 
 
@@ -711,3 +696,11 @@ def test_a_version_with_errors_is_put_back_with_a_warning(home):
     fix = "neurotouch profile check user"
     assert fix in output
     assert "stronk" in run(*fix.split()[1:])[0]
+
+
+def test_the_end_of_the_input_is_told_and_is_no_interrupt():
+    run("profile", "new", "mine")
+    command = [sys.executable, "-m", "neurotouch_hid", "profile", "edit", "mine"]
+    done = subprocess.run(command, input="12\n", capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "Error: The input has ended, so no more questions can be answered." in done.stderr

@@ -21,41 +21,30 @@ from neurotouch_hid.recording import Clip, Recording, RecordingWriter, gel_path
 from neurotouch_hid.recording.wire import send_packet
 from neurotouch_hid.source.rig_file import load_rig_file
 from neurotouch_hid.source.slice_pacer import LONGEST_US
+from tests.processes import (
+    LIMIT_S,
+    PROGRAM,
+    Process,
+    make_environment,
+    run_command,
+    run_neurotouch,
+    start_neurotouch,
+)
 from tests.recording.clips import draw, write_clip
 from tests.recording.streams import make_packets
 from tests.recording.test_writer import count, count_with_the_maker
-
-LIMIT_S = 600.0
-"""A program that gets a tenth of a processor needs 100 s to start and play."""
-PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
-
-
-def person(folder):
-    """The environment of somebody with folders of their own."""
-    return {
-        **os.environ,
-        "RUNTIME_DIRECTORY": str(folder / "run"),
-        "XDG_CONFIG_HOME": str(folder / "config"),
-    }
+from tests.waiting import wait_until
 
 
 @pytest.fixture
 def environment(tmp_path):
-    return person(tmp_path)
+    return make_environment(tmp_path)
 
 
 @pytest.fixture
 def record(environment):
     def call(*arguments, **settings):
-        return subprocess.run(
-            [*PROGRAM, "record", *map(str, arguments)],
-            capture_output=True,
-            text=True,
-            timeout=LIMIT_S,
-            check=False,
-            env=environment,
-            **settings,
-        )
+        return run_neurotouch("record", *arguments, code=None, env=environment, **settings)
 
     return call
 
@@ -74,13 +63,7 @@ def quick(tmp_path):
 def endless(tmp_path, environment):
     """A recording that goes on until somebody ends it, at the speed of a camera."""
     path = tmp_path / "endless.aedat4"
-    process = subprocess.Popen(
-        [*PROGRAM, "record", str(path), "--source", "sim:tour"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=environment,
-    )
+    process = start_neurotouch("record", path, "--source", "sim:tour", env=environment)
     wait_for_size(path, 300_000, process)
     yield path, process
     process.kill()
@@ -222,10 +205,7 @@ def test_a_small_disk(tmp_path, record):
         f"{sys.executable} -m neurotouch_hid {arguments}\n"
         f"code=$?; cp {folder}/a.aedat4 {tmp_path}/kept.aedat4; exit $code"
     )
-    done = subprocess.run(
-        [*alone, script], capture_output=True, text=True, timeout=LIMIT_S, check=False
-    )
-    assert done.returncode == 4, done.stderr
+    done = run_command(*alone, script, code=4)
     assert "the disk is full" in done.stderr
     kept = tmp_path / "kept.aedat4"
     assert 4_000_000 < kept.stat().st_size < 7_000_000
@@ -235,27 +215,12 @@ def test_a_small_disk(tmp_path, record):
 @contextmanager
 def driving(folder, *words):
     """A driver that plays, and the environment in which it is found."""
-    log = folder / "driver.txt"
-    with log.open("w") as errors:
-        process = subprocess.Popen(
-            [
-                *(*PROGRAM, "run", "--source", "sim:tour", "--seed", "5"),
-                *("--device", "memory", "--show", "nothing"),
-                *words,
-            ],
-            stderr=errors,
-            env=person(folder),
-        )
-    deadline = time.monotonic() + LIMIT_S
-    while "Gamepad ready" not in log.read_text():
-        assert process.poll() is None, log.read_text()
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    options = ("--source", "sim:tour", "--seed", "5", "--device", "memory", "--show", "nothing")
+    driver = Process(folder, "run", *options, *words, ready="Gamepad ready")
     try:
-        yield process, person(folder)
+        yield driver.process, driver.environment
     finally:
-        process.terminate()
-        process.wait(LIMIT_S)
+        driver.end()
 
 
 @pytest.fixture(scope="module")
@@ -265,29 +230,16 @@ def driver(tmp_path_factory):
 
 
 def ask(environment):
-    done = subprocess.run(
-        [*PROGRAM, "status", "--json"],
-        capture_output=True,
-        text=True,
-        check=True,
-        env=environment,
-        timeout=LIMIT_S,
-    )
+    done = run_neurotouch("status", "--json", env=environment)
     return json.loads(done.stdout)
 
 
 def test_while_playing_it_records_what_the_driver_sees(tmp_path, driver):
     process, environment = driver
     before = ask(environment)
-    done = subprocess.run(
-        [*PROGRAM, "record", str(tmp_path / "a.aedat4"), "--seconds", "2", "--json"],
-        capture_output=True,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
-        env=environment,
+    done = run_neurotouch(
+        "record", tmp_path / "a.aedat4", "--seconds", "2", "--json", env=environment
     )
-    assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
     after = ask(environment)
     assert said["source"] == "sim:tour, from the running driver"
@@ -297,9 +249,7 @@ def test_while_playing_it_records_what_the_driver_sees(tmp_path, driver):
     assert said["frames"] >= 49
     assert after["pid"] == before["pid"]
     assert after["state"] == "running"
-    deadline = time.monotonic() + LIMIT_S
-    while ask(environment)["slices"] < before["slices"] + 200:
-        assert time.monotonic() < deadline
+    wait_until(lambda: ask(environment)["slices"] >= before["slices"] + 200)
     assert process.poll() is None
 
 
@@ -315,13 +265,10 @@ def test_the_gel_beside_a_recording_is_the_one_that_the_driver_plays(tmp_path):
     with driving(tmp_path, "--gel", str(played)) as (_, environment):
         played.write_text(GRID)  # it is too late to change the driver's gel
         out = tmp_path / "a.aedat4"
-        words = [*PROGRAM, "record", str(out), "--seconds", "0.5"]
-        settings = {"env": environment, "capture_output": True, "text": True, "timeout": LIMIT_S}
-        done = subprocess.run(words, check=False, **settings)
-        assert done.returncode == 0, done.stderr
+        words = ("record", out, "--seconds", "0.5")
+        run_neurotouch(*words, env=environment)
         assert gel_path(out).read_bytes() == HEX.encode()
-        refused = subprocess.run([*words, "--force", "--gel", str(own)], check=False, **settings)
-        assert refused.returncode == 6
+        refused = run_neurotouch(*words, "--force", "--gel", own, code=6, env=environment)
         assert "Leave --gel out." in refused.stderr
         assert gel_path(out).read_bytes() == HEX.encode()
 
@@ -332,28 +279,20 @@ def test_a_recording_of_the_usual_gel_has_no_file_of_the_persons_own(tmp_path, d
     own.parent.mkdir(parents=True)
     own.write_text(GRID)
     out = tmp_path / "a.aedat4"
-    done = subprocess.run(
-        [*PROGRAM, "record", str(out), "--seconds", "0.5"],
-        capture_output=True,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
+    run_neurotouch(
+        "record",
+        out,
+        "--seconds",
+        "0.5",
         env={**environment, "XDG_CONFIG_HOME": str(tmp_path / "config")},
     )
-    assert done.returncode == 0, done.stderr
     assert not gel_path(out).exists()
 
 
 def test_a_source_that_falls_silent_does_not_outlast_its_seconds(tmp_path, driver):
     playing, environment = driver
     path = tmp_path / "a.aedat4"
-    process = subprocess.Popen(
-        [*PROGRAM, "record", str(path), "--seconds", "6", "--json"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=environment,
-    )
+    process = start_neurotouch("record", path, "--seconds", "6", "--json", env=environment)
     wait_for_size(path, 50_000, process)
     playing.send_signal(signal.SIGSTOP)
     try:
@@ -439,13 +378,7 @@ def wait_for_size(path, size, process):
 def test_it_ends_with_the_driver(tmp_path):
     path = tmp_path / "a.aedat4"
     with driving(tmp_path) as (_, environment):
-        process = subprocess.Popen(
-            [*PROGRAM, "record", str(path)],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-            env=environment,
-        )
+        process = start_neurotouch("record", path, env=environment)
         wait_for_size(path, 100_000, process)
     said, _ = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 0

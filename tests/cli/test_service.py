@@ -1,6 +1,5 @@
 """``neurotouch service`` up to the pad; tests/system tries the rest in a whole Debian."""
 
-import os
 import socket
 import subprocess
 import sys
@@ -8,6 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+
+from tests.processes import make_environment, run_command
 
 # As systemd does it: the program itself finds its number in LISTEN_PID.
 HAND_OVER = """\
@@ -28,22 +29,11 @@ LIMIT_S = 300
 def folders(tmp_path) -> dict[str, str]:
     """What the unit sets."""
     (tmp_path / "etc/neurotouch").mkdir(parents=True)
-    return {
-        **os.environ,
-        "XDG_CONFIG_HOME": str(tmp_path / "etc"),
-        "RUNTIME_DIRECTORY": str(tmp_path / "run"),
-    }
+    return make_environment(tmp_path) | {"XDG_CONFIG_HOME": str(tmp_path / "etc")}
 
 
 def run(folders, *command: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, *command],
-        env=folders,
-        capture_output=True,
-        text=True,
-        timeout=LIMIT_S,
-        check=False,
-    )
+    return run_command(sys.executable, *command, code=None, env=folders)
 
 
 def test_it_takes_the_descriptors_that_systemd_hands_over(folders, tmp_path):

@@ -9,7 +9,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -20,11 +19,11 @@ from neurotouch_hid.client import ask, ask_status
 from neurotouch_hid.errors import DriverError, NotRunningError
 from neurotouch_hid.ipc import FEED, listen_at
 from neurotouch_hid.players import find_socket
+from tests.processes import LIMIT_S, PROGRAM, run_command
+from tests.waiting import wait_until
 
 IS_ROOT = os.getuid() == 0
 SERVICE, PERSON = (61003, 61004) if IS_ROOT else (os.getuid(), os.getuid())
-LIMIT_S = 120.0
-PROGRAM = (sys.executable, "-m", "neurotouch_hid")
 PLAY = """
 import sys
 from pathlib import Path
@@ -46,13 +45,6 @@ def become(user: int) -> tuple[str, ...]:
         return ()
     rights = ("--inh-caps=+dac_override", "--ambient-caps=+dac_override")
     return ("setpriv", f"--reuid={user}", f"--regid={user}", "--clear-groups", *rights)
-
-
-def wait(happened) -> None:
-    deadline = time.monotonic() + LIMIT_S
-    while not happened():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
 
 
 class Place:
@@ -105,7 +97,7 @@ class Place:
         seated, people = str(self.folder / "seated"), str(self.folder / "state/people")
         command = (sys.executable, "-c", PLAY, seated, people)
         with self.start(*command, user=SERVICE, home="machine") as process:
-            wait(is_running)
+            wait_until(is_running)
             yield process
 
     @contextmanager
@@ -127,7 +119,7 @@ def is_running() -> bool:
 def go_on() -> None:
     """Waits until the driver has played some seconds more, with several movements."""
     until = ask_status()["slices"] + 1500
-    wait(lambda: ask_status()["slices"] > until)
+    wait_until(lambda: ask_status()["slices"] > until)
 
 
 @pytest.fixture
@@ -143,18 +135,11 @@ def place(monkeypatch, tmp_path):
 def test_settings_and_sounds_go_between_the_service_and_the_session(place):
     with place.serve() as service, place.connect() as session:
         place.values.write_text("version: 1\nfeedback: {sound: tones}\nslots: [racing]\n")
-        wait(lambda: ask_status()["profile"] == "racing")
+        wait_until(lambda: ask_status()["profile"] == "racing")
         assert "person at the machine" in ask_status()["settings"]
         assert "played in the session of the person" in ask_status()["sound"]
-        wait(lambda: place.count_sounds(session))
-        second = subprocess.run(
-            [*become(PERSON), *PROGRAM, "session"],
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=LIMIT_S,
-        )
-        assert second.returncode == 75
+        wait_until(lambda: place.count_sounds(session))
+        second = run_command(*become(PERSON), *PROGRAM, "session", code=75)
         assert "already runs" in second.stderr
         maps = Path(f"/proc/{session.pid}/maps").read_text()
         assert "numpy" in maps
@@ -166,26 +151,26 @@ def test_a_restarted_service_is_heard_again(place):
     place.values.write_text("version: 1\nfeedback: {sound: tones}\n")
     with place.connect() as session:
         with place.serve() as service:
-            wait(lambda: place.count_sounds(session))
+            wait_until(lambda: place.count_sounds(session))
             service.send_signal(signal.SIGKILL)
             service.wait(LIMIT_S)
         n_before = place.count_sounds(session)
         with place.serve():
-            wait(lambda: place.count_sounds(session) > n_before)
+            wait_until(lambda: place.count_sounds(session) > n_before)
 
 
 @pytest.mark.skipif(not IS_ROOT, reason="only root becomes other users")
 def test_a_person_who_leaves_the_seat_hears_nothing_until_the_return(place):
     place.values.write_text("version: 1\nfeedback: {sound: tones}\n")
     with place.serve(), place.connect() as session:
-        wait(lambda: place.count_sounds(session))
+        wait_until(lambda: place.count_sounds(session))
         place.seat()
         go_on()
         n_before = place.count_sounds(session)
         go_on()
         assert place.count_sounds(session) == n_before
         place.seat(PERSON)
-        wait(lambda: place.count_sounds(session) > n_before)
+        wait_until(lambda: place.count_sounds(session) > n_before)
 
 
 def test_a_driver_of_the_person_is_heard_once(place):
@@ -193,10 +178,10 @@ def test_a_driver_of_the_person_is_heard_once(place):
     run = (*PROGRAM, "run", "--source", "sim:tour", "--device", "memory", "--show", "nothing")
     os.chown(place.folder / "run", PERSON, PERSON)
     with place.start(*run, user=PERSON) as driver, place.connect() as session:
-        wait(is_running)
-        wait(lambda: "numpy" in Path(f"/proc/{session.pid}/maps").read_text())
+        wait_until(is_running)
+        wait_until(lambda: "numpy" in Path(f"/proc/{session.pid}/maps").read_text())
         n_before = place.count_sounds(driver)
-        wait(lambda: place.count_sounds(driver) > n_before + 5)
+        wait_until(lambda: place.count_sounds(driver) > n_before + 5)
         assert place.count_sounds(session) == 0
         ask("stop")
 
@@ -204,7 +189,7 @@ def test_a_driver_of_the_person_is_heard_once(place):
 def test_who_wants_no_sound_asks_the_service_for_no_states(place):
     place.values.write_text("version: 1\nslots: [racing]\n")
     with place.serve(), place.connect() as session:
-        wait(lambda: ask_status()["profile"] == "racing")
+        wait_until(lambda: ask_status()["profile"] == "racing")
         assert "numpy" not in Path(f"/proc/{session.pid}/maps").read_text()
 
 

@@ -8,8 +8,9 @@ import pytest
 from neurotouch_hid.cli.session import _Link
 from neurotouch_hid.cli.session_window import WindowTeller, find_desktop
 from neurotouch_hid.client import ask_status
-from tests.cli.test_session import place, wait  # noqa: F401  # a fixture
+from tests.cli.test_session import place  # noqa: F401  # a fixture
 from tests.desktop.test_follower import Desktop
+from tests.waiting import wait_until
 
 APPLICATIONS = "version: 1\napplications: [{window: game, profile: racing}]\n"
 NOBODY = "told by 'neurotouch session'"
@@ -29,7 +30,7 @@ def test_a_service_follows_the_windows_of_who_sits_there(place):  # noqa: F811
                 teller.look(time.monotonic())
                 return words in ask_status()[key]
 
-            wait(look)
+            wait_until(look)
 
         assert NOBODY in ask_status()["desktop"]
         desktop.front = ("Game",)

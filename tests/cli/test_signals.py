@@ -10,6 +10,7 @@ import pytest
 
 from neurotouch_hid.page.server import EndBySignal
 from tests.docs.prose import ROOT
+from tests.processes import run_command
 
 START = """\
 import os, signal, sys
@@ -83,12 +84,7 @@ main()
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_another_signal_while_it_ends_leaves_no_traceback(number):
-    done = subprocess.run(
-        [sys.executable, "-c", ENDING, str(int(number))],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_command(sys.executable, "-c", ENDING, str(int(number)), code=None)
     assert done.stderr == ""
     assert done.returncode == 130
 
@@ -124,10 +120,7 @@ def test_nothing_slow_is_imported_before_signals_are_handled():
         "print(sorted({'typing', 'contextlib', 're', 'click'} "
         "& (set(sys.modules) - before)))"
     )
-    done = subprocess.run(
-        [sys.executable, "-S", "-c", f"import sys; sys.path.insert(0, {str(ROOT)!r}); {code}"],
-        capture_output=True,
-        text=True,
-        check=True,
+    done = run_command(
+        sys.executable, "-S", "-c", f"import sys; sys.path.insert(0, {str(ROOT)!r}); {code}"
     )
     assert done.stdout == "[]\n"

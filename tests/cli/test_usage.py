@@ -1,15 +1,16 @@
 """Every command of the tree with a wrong command line: one form of answer, ours, never click's."""
 
 import re
-import subprocess
 import sys
 
 import click
 import pytest
+from click.testing import CliRunner
 
 from neurotouch_hid.cli import main as command_line
 from neurotouch_hid.cli.main import cli
 from neurotouch_hid.cli.stream import StreamAddress
+from tests.processes import run_command
 
 NUMBERS = (click.types.IntParamType, click.types.FloatParamType)
 
@@ -30,6 +31,13 @@ OPTIONS = [
     for param in command.params
     if isinstance(param, click.Option) and param.name != "help"
 ]
+
+
+@pytest.mark.parametrize("words", [words for words, _ in TREE])
+def test_every_command_has_help_with_examples(words):
+    done = CliRunner().invoke(cli, [*words, "--help"])
+    assert done.exit_code == 0
+    assert "Examples:" in done.output
 
 
 @pytest.fixture
@@ -250,13 +258,7 @@ except SystemExit as ended:
 )
 def test_wrong_source_is_refused_before_the_libraries_are_loaded(tmp_path, line, code, said):
     (tmp_path / "play.aedat4").write_text("nothing")
-    done = subprocess.run(
-        [sys.executable, "-c", REFUSED, *line.split()],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=tmp_path,
-    )
+    done = run_command(sys.executable, "-c", REFUSED, *line.split(), code=None, cwd=tmp_path)
     assert said in done.stderr
     assert done.stdout == f"{code} []\n"
 
@@ -284,6 +286,21 @@ def test_folder_that_is_missing_is_told_before_the_work(answer, line):
     sentence, fix = answer(*line.split())
     assert sentence == "There is no folder 'gone' to write 'x' to."
     assert fix == "Make the folder, or choose another."
+
+
+def test_a_file_to_write_is_no_option_and_no_recording(answer, tmp_path, monkeypatch):
+    """Where --json takes a file, it is easily written as if it took none."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "play.aedat4").write_bytes(b"an evening's work")
+    for line in ("bench --json --help", "evaluate play.aedat4 --json --method paper"):
+        sentence, fix = answer(*line.split())
+        assert sentence.startswith(
+            "Option --json needs the name of a file to write, not the option --"
+        )
+        assert fix.startswith("Write the name between the two.")
+    sentence, _ = answer("evaluate", "--json", "play.aedat4", "other.aedat4")
+    assert sentence == "Option --json would write over the recording 'play.aedat4'."
+    assert (tmp_path / "play.aedat4").read_bytes() == b"an evening's work"
 
 
 @pytest.mark.parametrize(
@@ -334,4 +351,5 @@ def test_file_that_cannot_be_used_is_named_in_a_sentence(monkeypatch, capsys):
         command_line.main()
     sys.stdout = stdout
     said = "Error: The file 'gone/x' cannot be used: No such file or directory.\n"
-    assert capsys.readouterr().err == said
+    fix = "Fix: See what each part of its path is: namei -l gone/x\n"
+    assert capsys.readouterr().err == said + fix

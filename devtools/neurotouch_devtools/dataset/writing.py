@@ -1,7 +1,6 @@
 """Writes parts on several cores, and around those of an edition what a stranger needs."""
 
 import os
-import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -74,7 +73,7 @@ def make_parts(
     # reads the number when it is loaded: so even one job gets a process of its own.
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     made = {}
-    with open_pool(jobs, _die_silently) as pool:
+    with open_pool(jobs) as pool:
         futures = {pool.submit(_make_part, folder, command, part): part for part in parts}
         for n, done in enumerate(as_completed(futures), 1):
             part = futures[done]
@@ -141,8 +140,3 @@ def _make_part(folder: Path, command: str, part: Part) -> list[Path]:
         gel=chosen.gel,
         gel_file=chosen.file,
     )
-
-
-def _die_silently() -> None:
-    """Ctrl-C reaches every process of a terminal: only the first one reports it."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)

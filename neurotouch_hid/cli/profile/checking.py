@@ -71,6 +71,7 @@ def check(names: tuple[str, ...], as_json: bool, plain: bool) -> None:
 
 def _check_values(name: str) -> "Checked[Any] | None":
     """Returns the faults of a person's own values; None if the name or path is of a profile."""
+    from neurotouch_hid.files.small_file import means_path
     from neurotouch_hid.profile import check_user
     from neurotouch_hid.profile.editing import read_text, take_user
     from neurotouch_hid.profile.reading import OWN_VALUES, holds_values
@@ -78,8 +79,7 @@ def _check_values(name: str) -> "Checked[Any] | None":
     if name == OWN_VALUES:
         edited = take_user(str)
         return edited.check(edited.text)
-    is_path = "/" in name or name.endswith((".yaml", ".yml"))
-    if not is_path or not Path(name).is_file():
+    if not means_path(name) or not Path(name).is_file():
         return None
     content = read_text(Path(name))[1]
     return check_user(content, make_printable(name)) if holds_values(content) else None

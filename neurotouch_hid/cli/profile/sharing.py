@@ -31,7 +31,9 @@ if TYPE_CHECKING:
 )
 @click.argument("name", shell_complete=complete_profile)
 @click.option(
-    "--output", type=click.Path(path_type=Path, dir_okay=False), help="The file to write."
+    "--output",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="The file to write; without, or with -, it is printed.",
 )
 @click.option(
     "--user",
@@ -54,6 +56,8 @@ def export(
     from neurotouch_hid.profile.editing import ProfileText, forget_schema, read_text
     from neurotouch_hid.profile.reading import find_profile, find_shipped_folder
 
+    if output == Path("-"):
+        output = None
     path = find_profile(name)
     checked = check_profile(path)
     profile = checked.require()

@@ -1,22 +1,38 @@
 """Completes names and keys in the shell."""
 
+from contextlib import suppress
+
 import click
+from click.shell_completion import CompletionItem
 
 from neurotouch_hid.errors import NeuroTouchError
 
 
 def complete_profile(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Completes names of profiles."""
-    from neurotouch_hid.profile.reading import list_profiles
+    return [name for name in _list_names() if name.startswith(incomplete)]
 
-    return [name for name in list_profiles() if name.startswith(incomplete)]
+
+def complete_profile_or_path(
+    ctx: click.Context, param: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """Completes names of profiles, and files."""
+    names = complete_profile(ctx, param, incomplete)
+    return [*map(CompletionItem, names), CompletionItem(incomplete, type="file")]
+
+
+def complete_scene(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Completes names of the simulator's scenes."""
+    from neurotouch_hid.source.simulator.scenes import scene_names
+
+    return [name for name in scene_names() if name.startswith(incomplete)]
 
 
 def complete_file(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
     """Completes names of files that can be edited: profiles, and the person's own values."""
-    from neurotouch_hid.profile.reading import OWN_VALUES, list_profiles
+    from neurotouch_hid.profile.reading import OWN_VALUES
 
-    return [name for name in (*list_profiles(), OWN_VALUES) if name.startswith(incomplete)]
+    return [name for name in (*_list_names(), OWN_VALUES) if name.startswith(incomplete)]
 
 
 def complete_key(ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
@@ -29,6 +45,15 @@ def complete_key(ctx: click.Context, _param: click.Parameter, incomplete: str) -
         return [path for path in paths if path.startswith(incomplete)]
     except NeuroTouchError:
         return []
+
+
+def _list_names() -> list[str]:
+    """Returns the names of profiles; none if their folder cannot be looked into."""
+    from neurotouch_hid.profile.reading import list_profiles
+
+    with suppress(NeuroTouchError):
+        return list(list_profiles())
+    return []
 
 
 def complete_code(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:

@@ -5,7 +5,7 @@ import select
 import sys
 
 from neurotouch_hid.cli.ui.output import echo
-from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.errors import EndOfInputError
 
 
 class Keyboard:
@@ -23,7 +23,7 @@ class Keyboard:
         """Returns the next line if one has arrived, without its end.
 
         Raises:
-            NeuroTouchError: the input has ended.
+            EndOfInputError: the input has ended.
         """
         while b"\n" not in self._arrived and select.select([self._fd], [], [], 0)[0]:
             self._receive()
@@ -33,7 +33,7 @@ class Keyboard:
         """Waits for the answer to a question.
 
         Raises:
-            NeuroTouchError: the input has ended.
+            EndOfInputError: the input has ended.
         """
         echo(question)
         while b"\n" not in self._arrived:
@@ -53,10 +53,7 @@ class Keyboard:
         content = os.read(self._fd, 4096)
         if not content:
             if not self._arrived:
-                raise NeuroTouchError(
-                    "The input has ended, so no more questions can be answered.",
-                    hint="Run this command in a terminal.",
-                )
+                raise EndOfInputError
             content = b"\n"  # the last line without its end
         self._arrived += content
 

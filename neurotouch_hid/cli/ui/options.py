@@ -8,6 +8,7 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
+from neurotouch_hid.cli.ui.completing import complete_profile_or_path
 from neurotouch_hid.cli.ui.output import require_writable
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
@@ -27,8 +28,15 @@ class Finite(click.FloatRange):
         return number
 
 
+_RECORDINGS = (".aedat4", ".avi", ".mkv", ".mp4")
+
+
 class OutFile(click.Path):
-    """A file to be written; whether it can be is tried before the work begins."""
+    """A file to be written; whether it can be is tried before the work begins.
+
+    ``--json`` takes a file in some commands and none in others. So an option that follows is not
+    taken for the file, and no recording is written over.
+    """
 
     def __init__(self) -> None:
         super().__init__(dir_okay=False, path_type=Path)
@@ -36,6 +44,17 @@ class OutFile(click.Path):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Returns the path."""
         path = Path(str(super().convert(value, param, ctx)))
+        option = param.opts[0] if param is not None else ""
+        if str(value).startswith("--"):
+            raise WrongUsage(
+                f"Option {option} needs the name of a file to write, not the option {value}.",
+                hint=f"Write the name between the two. A file of this name: {option} ./{value}",
+            )
+        if path.suffix.lower() in _RECORDINGS and path.exists():
+            raise WrongUsage(
+                f"Option {option} would write over the recording '{path}'.",
+                hint=f"Name another file for {option}: it comes right behind it.",
+            )
         if not path.parent.is_dir():
             raise WrongUsage(
                 f"There is no folder '{path.parent}' to write '{path.name}' to.",
@@ -99,6 +118,7 @@ method_option = click.option(
 )
 profile_option = click.option(
     "--profile",
+    shell_complete=complete_profile_or_path,
     show_default="the first of your favourites",
     help="Name or path of a profile.",
 )

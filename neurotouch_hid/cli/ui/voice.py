@@ -1,14 +1,12 @@
 """Prints sentences, and speaks them if the person wants speech."""
 
-from types import TracebackType
-from typing import Self
-
 from neurotouch_hid.cli.ui.output import echo
+from neurotouch_hid.closing import Closing
 from neurotouch_hid.monitor import Cue, CueKind, Speaker
 from neurotouch_hid.profile.schema import Feedback
 
 
-class Voice:
+class Voice(Closing):
     """Prints and speaks sentences; with tones, it plays one for accepted and one for rejected.
 
     A context manager.
@@ -40,13 +38,6 @@ class Voice:
         echo(sentence, err=self._err)
         self._speaker.play(Cue(CueKind.REJECT, sentence), self._sound, self._volume.reject)
 
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def close(self) -> None:
+        """Ends what still sounds."""
         self._speaker.close()

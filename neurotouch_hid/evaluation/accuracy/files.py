@@ -1,6 +1,5 @@
 """Plays labelled recordings through the pipeline and counts, on as many cores as wanted."""
 
-import signal
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -34,7 +33,12 @@ _STEPS_AT_ONCE: Final = 16
 """So many steps are compared one right after the other: the code and the data of the comparison
 are still in the processor's caches then. One by one, between two steps, each takes three times as
 long."""
-_MODULES: Final = __name__, "neurotouch_hid.driver.driver", "neurotouch_hid.source.replay"
+_MODULES: Final = (
+    __name__,
+    "neurotouch_hid.driver.driver",
+    "neurotouch_hid.gesture.elastic",
+    "neurotouch_hid.source.replay",
+)
 """What each process needs that plays recordings."""
 
 
@@ -132,8 +136,10 @@ def _play_all(
         yield from ((path, evaluate_file(path, options)) for path in paths)
         return
     try:
-        with open_pool(jobs, _die_silently, _MODULES) as pool:
-            futures = {pool.submit(evaluate_file, path, options): path for path in paths}
+        # The longest first: one that begins last would leave the other cores idle.
+        by_size = sorted(paths, key=lambda path: path.stat().st_size, reverse=True)
+        with open_pool(jobs, _MODULES) as pool:
+            futures = {pool.submit(evaluate_file, path, options): path for path in by_size}
             yield from ((futures[done], done.result()) for done in as_completed(futures))
     except BrokenProcessPool as error:
         raise NeuroTouchError(
@@ -142,17 +148,12 @@ def _play_all(
         ) from error
 
 
-def _die_silently() -> None:
-    """Ignores Ctrl-C, which reaches every process of a terminal: only the first one reports it."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
     """Returns the results of one recording; see ``evaluate_files``."""
     from neurotouch_hid.driver import Driver  # noqa: PLC0415  # only a process that plays needs it
 
     labels = _read_labels(path)
-    with Driver(replace(options, source=f"file:{path}")) as driver:
+    with Driver(replace(options, source=f"file:{path}"), pads=False) as driver:
         # Whether it has pictures is asked once: for a protocol Python compares every name.
         source = driver.source if isinstance(driver.source, PictureSource) else None
 
@@ -161,7 +162,7 @@ def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
 
         comparison = Comparison(LabelTrack(labels))
         begun = time.perf_counter()
-        steps = ((step, find_view()) for step in driver.steps(pads=False))
+        steps = ((step, find_view()) for step in driver.steps())
         while some := tuple(islice(steps, _STEPS_AT_ONCE)):
             for step, view in some:
                 comparison(step, view)

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from neurotouch_hid.source.davis.camera import CameraVersions, identify
     from neurotouch_hid.source.davis.config import Biases, DavisConfig, Roi
     from neurotouch_hid.source.davis.enumeration import CameraInfo, choose_camera, find_cameras
-    from neurotouch_hid.source.davis.source import DavisSource, DavisStats
+    from neurotouch_hid.source.davis.source import DavisSource
 else:
     __getattr__ = load_lazily(
         __name__,
@@ -19,7 +19,7 @@ else:
             "camera": "CameraVersions identify",
             "config": "Biases DavisConfig Roi",
             "enumeration": "CameraInfo choose_camera find_cameras",
-            "source": "DavisSource DavisStats",
+            "source": "DavisSource",
         },
     )
 
@@ -29,7 +29,6 @@ __all__ = [
     "CameraVersions",
     "DavisConfig",
     "DavisSource",
-    "DavisStats",
     "Roi",
     "choose_camera",
     "find_cameras",

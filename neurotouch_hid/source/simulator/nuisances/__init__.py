@@ -3,9 +3,8 @@
 from neurotouch_hid.source.simulator.nuisances.catalogue import (
     MIXTURES,
     NUISANCES,
-    Nuisance,
     disturb,
     read_nuisances,
 )
 
-__all__ = ["MIXTURES", "NUISANCES", "Nuisance", "disturb", "read_nuisances"]
+__all__ = ["MIXTURES", "NUISANCES", "disturb", "read_nuisances"]
