@@ -26,6 +26,7 @@ from neurotouch_hid.errors import NotRunningError, RecordingError, SourceError
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.recording import RecordingWriter
 from neurotouch_hid.vocabulary import Axis
+from tests.processes import run_command
 
 READ = """
 import json, sys
@@ -240,9 +241,7 @@ except NotRunningError:
     print(*(name for name in sys.modules if name.partition(".")[0] == "neurotouch_hid"))
     print(*{"numba", "cv2", "pydantic", "scipy", "importlib.metadata"} & set(sys.modules))
 """
-    done = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
+    done = run_command(sys.executable, "-c", program)
     ours, heavy = done.stdout.splitlines()
     loaded = {name.removeprefix("neurotouch_hid.") for name in ours.split()} - {"neurotouch_hid"}
     assert loaded <= LIGHT

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from neurotouch_hid.driver.gel_file import load_gel
+from neurotouch_hid.driver.gel_file import choose_gel
 from neurotouch_hid.evaluation.accuracy.files import evaluate_file
 from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.gesture import GestureConfig
@@ -48,7 +48,7 @@ def test_a_labelled_recording_brings_its_gel(tmp_path, monkeypatch):
     monkeypatch.setattr(dataset, "KINDS", (GestureKind.PUSH,))
     file = tmp_path / "a.gel.yaml"
     file.write_bytes(HEX_FILE)
-    gel = load_gel(file)
+    gel = choose_gel(str(file)).gel
     (path,) = dataset.write_dataset(
         tmp_path / "set", users=1, minutes=0.05, gel=gel, gel_file=HEX_FILE
     )

@@ -1,17 +1,21 @@
 """Where the files and sockets of each player are, and which players there are."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from neurotouch_hid import players
-from neurotouch_hid.errors import DriverError
+from neurotouch_hid.driver.gel_file import choose_gel
+from neurotouch_hid.errors import DriverError, ProfileError
 
 USER = 61_999
 """Has no folder in /run/user."""
 SERVICE = Path("/run/neurotouch")
+NOBODY = "os.environ.pop('HOME', None); pwd.getpwuid = lambda _: {}['no such user']"
 
 
 @pytest.fixture(autouse=True)
@@ -81,6 +85,22 @@ def test_each_player_has_values_of_their_own(monkeypatch, tmp_path):
 def test_a_relative_folder_of_settings_is_ignored(monkeypatch, given):
     monkeypatch.setenv("XDG_CONFIG_HOME", given)
     assert players.find_config_folder() == Path.home() / ".config/neurotouch"
+
+
+def test_a_user_without_a_home_is_told_what_to_set(monkeypatch):
+    """As in a container that runs for a number which no list of users has."""
+    monkeypatch.delenv("HOME")
+    monkeypatch.setattr("pwd.getpwuid", lambda _: {}["no such user"])
+    for look in (players.find_config_folder, players.find_user_file):
+        with pytest.raises(ProfileError, match="home folder is not known") as caught:
+            look()
+        assert caught.value.hint.startswith("Set the variable HOME")
+    code = "import neurotouch_hid.stream.lsl"  # looks for files of the home when it is loaded
+    subprocess.run([sys.executable, "-c", f"import pwd, os\n{NOBODY}\n{code}"], check=True)
+    monkeypatch.setenv("XDG_CONFIG_HOME", "/elsewhere")
+    assert players.find_config_folder() == Path("/elsewhere/neurotouch")
+    with pytest.raises(ProfileError, match=r"~nobody-here/own\.yaml"):
+        choose_gel("~nobody-here/own.yaml", "sim:push")
 
 
 def test_systemd_may_give_several_folders(monkeypatch):

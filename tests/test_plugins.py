@@ -3,7 +3,6 @@
 import json
 import math
 import os
-import subprocess
 import sys
 import tomllib
 from pathlib import Path
@@ -15,6 +14,7 @@ from neurotouch_hid import Driver, DriverOptions, open_gel
 from neurotouch_hid.errors import PluginError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.gesture.method import make_method
+from tests.processes import run_command
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 WRONG = """
@@ -110,12 +110,12 @@ def run(folder, *arguments, environment=None):
     program = f"import sys; sys.path.append({str(folder)!r}); " + (
         "from neurotouch_hid.__main__ import main; main()"
     )
-    return subprocess.run(
-        [sys.executable, "-c", program, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=600,
-        check=False,
+    return run_command(
+        sys.executable,
+        "-c",
+        program,
+        *arguments,
+        code=None,
         env={**os.environ, **(environment or {})},
     )
 
@@ -325,7 +325,5 @@ def test_the_whole_traceback_can_be_had(installed):
 
 def test_the_ten_lines_print_gestures():
     program = EXAMPLES / "ten_lines" / "read_gel.py"
-    done = subprocess.run(
-        [sys.executable, program, "sim:push"], capture_output=True, text=True, check=True
-    )
+    done = run_command(sys.executable, program, "sim:push")
     assert "push" in done.stdout

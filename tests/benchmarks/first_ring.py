@@ -14,7 +14,7 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from tests.page.processes import View
+from tests.processes import View
 
 STAGES = ("page readable", "gel runs", "flying", "first ring", "in all")
 KEYS = {"left": "ArrowLeft", "right": "ArrowRight", "up": "ArrowUp", "down": "ArrowDown"}

@@ -5,7 +5,6 @@ import fcntl
 import os
 import struct
 import termios
-import time
 from pathlib import Path
 from random import Random
 
@@ -18,6 +17,7 @@ from neurotouch_hid.device.inputs.hotkeys import (
     explain_keyboards,
     find_keyboards,
 )
+from tests.waiting import wait_until
 
 EVENT = struct.Struct("@llHHi")
 LIMIT_S = 60.0
@@ -87,13 +87,6 @@ def heard(machine):
     os.close(node.descriptor)
 
 
-def wait(happened) -> None:
-    deadline = time.monotonic() + LIMIT_S
-    while not happened():
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
-
-
 @pytest.mark.parametrize("chord", list(CHORDS))
 def test_chord_is_told_once_whatever_else_is_down(heard, chord):
     node, told = heard
@@ -102,7 +95,7 @@ def test_chord_is_told_once_whatever_else_is_down(heard, chord):
     node.press(*CHORDS[chord], value=2)  # the kernel's repetition
     node.release(*CHORDS[chord])
     node.press(*CHORDS[chord])
-    wait(lambda: len(told) >= 2)
+    wait_until(lambda: len(told) >= 2)
     assert told == [chord, chord]
 
 
@@ -115,7 +108,7 @@ def test_keys_one_after_the_other_are_no_chord(heard):
     node.release("KEY_ESC")
     node.press("KEY_ENTER")
     node.press("KEY_SPACE", "KEY_ESC")  # now a chord, and a sign that all before was read
-    wait(lambda: told)
+    wait_until(lambda: told)
     assert told[0] == "panic"
     assert set(told) == {"panic", "pause"}
 
@@ -126,16 +119,16 @@ def test_what_was_down_before_events_were_lost_counts_no_more(heard):
     node.send(ecodes.EV_SYN, ecodes.SYN_DROPPED, 0)
     node.press("KEY_ENTER")
     node.press("KEY_BACKSPACE", "KEY_ESC", "KEY_SPACE")
-    wait(lambda: len(told) == 2)
+    wait_until(lambda: len(told) == 2)
     assert told == ["panic", "pause"]
 
 
 def test_torn_and_foreign_bytes_do_no_harm(heard):
     node, told = heard
     os.write(node.descriptor, Random(1).randbytes(EVENT.size * 3 + 7))
-    wait(lambda: not node.count_unread())
+    wait_until(lambda: not node.count_unread())
     node.press(*CHORDS["panic"])
-    wait(lambda: told)
+    wait_until(lambda: told)
 
 
 def test_chord_over_two_keyboards_one_plugged_in_later(machine):
@@ -143,10 +136,10 @@ def test_chord_over_two_keyboards_one_plugged_in_later(machine):
     reader = ChordReader(told.append, nodes=machine.nodes, system=machine.system)
     try:
         second = machine.plug(11, name="Switch box", keys=("KEY_ENTER",))
-        wait(lambda: "Switch box" in reader.describe())
+        wait_until(lambda: "Switch box" in reader.describe())
         first.press("KEY_BACKSPACE", "KEY_ESC")
         second.press("KEY_ENTER")
-        wait(lambda: told == ["panic"])
+        wait_until(lambda: told == ["panic"])
         os.close(first.descriptor)  # unplugged: nothing is down on it any more
         (machine.nodes / "event0").unlink()
         second.press("KEY_ENTER")
@@ -161,7 +154,7 @@ def test_other_chords_can_be_chosen(machine):
     reader = ChordReader(told.append, chords, nodes=machine.nodes, system=machine.system)
     try:
         node.press("KEY_SPACE")
-        wait(lambda: told == ["panic"])
+        wait_until(lambda: told == ["panic"])
     finally:
         reader.close()
 

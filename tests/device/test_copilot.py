@@ -2,7 +2,6 @@
 
 import errno
 import os
-import time
 from pathlib import Path
 
 import pytest
@@ -12,6 +11,7 @@ from neurotouch_hid.device import Copilot
 from neurotouch_hid.device.inputs import copilot
 from neurotouch_hid.device.inputs.nodes import Input
 from neurotouch_hid.errors import DeviceError
+from tests.waiting import wait_until
 
 LIMIT_S = 60.0
 A = ecodes.BTN_SOUTH
@@ -84,22 +84,15 @@ def socket(monkeypatch):
     return socket
 
 
-def wait(happened) -> None:
-    deadline = time.monotonic() + LIMIT_S
-    while not happened():
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
-
-
 def test_a_pad_that_goes_as_soon_as_it_is_taken_is_taken_when_it_comes_back(socket):
     socket.plugged = False
     helper = Copilot("Pad", wait=True)
     helper.start(lambda share: None)
     try:
         socket.goes = socket.plugged = True
-        wait(lambda: socket.taken and not socket.plugged)
+        wait_until(lambda: socket.taken and not socket.plugged)
         socket.goes, socket.plugged = False, True
-        wait(lambda: helper.describe() == "Pad (/dev/input/event7)")
+        wait_until(lambda: helper.describe() == "Pad (/dev/input/event7)")
     finally:
         helper.close()
 
@@ -118,8 +111,8 @@ def test_a_pad_whose_name_is_no_text_is_a_device_error_and_another_is_waited_for
     helper.start(lambda share: None)
     try:
         taken = socket.taken
-        wait(lambda: socket.taken > taken)
+        wait_until(lambda: socket.taken > taken)
         socket.name = b"Pad"
-        wait(lambda: helper.describe() == "Pad (/dev/input/event7)")
+        wait_until(lambda: helper.describe() == "Pad (/dev/input/event7)")
     finally:
         helper.close()

@@ -1,7 +1,6 @@
 """The watch over real mice as its thread meets them; in a real kernel it is tested too."""
 
 import os
-import time
 from pathlib import Path
 
 import pytest
@@ -10,6 +9,7 @@ from evdev import InputEvent, ecodes
 from neurotouch_hid.device.inputs import mouse_watch as mousewatch
 from neurotouch_hid.device.inputs.mouse_watch import MouseWatch
 from neurotouch_hid.device.inputs.nodes import Input
+from tests.waiting import wait_until
 
 LIMIT_S = 60.0
 ODD, PLAIN = (
@@ -64,13 +64,6 @@ def mice(monkeypatch):
     return plugged, opened
 
 
-def wait(happened) -> None:
-    deadline = time.monotonic() + LIMIT_S
-    while not happened():
-        assert time.monotonic() < deadline
-        time.sleep(0.005)
-
-
 @pytest.mark.parametrize("comes_later", [False, True])
 def test_a_mouse_whose_name_is_no_text_keeps_no_other_from_being_watched(mice, comes_later):
     plugged, opened = mice
@@ -79,8 +72,8 @@ def test_a_mouse_whose_name_is_no_text_keeps_no_other_from_being_watched(mice, c
     watch = MouseWatch()
     try:
         plugged.extend([ODD, PLAIN] if comes_later else [PLAIN])
-        wait(lambda: opened)
+        wait_until(lambda: opened)
         os.write(opened[0].hand, b"x")
-        wait(lambda: watch.quiet_s < 1e6)
+        wait_until(lambda: watch.quiet_s < 1e6)
     finally:
         watch.close()

@@ -1,7 +1,5 @@
 """The public data set: the same bytes twice, whole, and its splits share nothing."""
 
-import subprocess
-
 import pytest
 from neurotouch_devtools.dataset import (
     EDITION,
@@ -16,6 +14,7 @@ from neurotouch_devtools.dataset import (
 from neurotouch_devtools.dataset.__main__ import OF_EDITION
 
 from neurotouch_hid.recording import labels_path, read_labels
+from tests.processes import run_command
 
 TINY = (
     Part("open/events", "tiny", 5, 1, 0.7, "solid", {"dust": 5.0}),
@@ -55,7 +54,7 @@ def test_the_folder_says_that_it_is_simulated_and_its_licence(twice):
 def test_other_tools_read_the_checksums_and_one_byte_is_found(twice):
     def check():
         command = ["sha256sum", "--check", "--quiet", "SHA256SUMS"]
-        done = subprocess.run(command, cwd=twice[1], capture_output=True, text=True, check=False)
+        done = run_command(*command, code=None, cwd=twice[1])
         return done.returncode, done.stdout
 
     assert check() == (0, "")

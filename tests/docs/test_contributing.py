@@ -2,12 +2,12 @@
 
 import re
 import shlex
-import subprocess
 import sys
 
 import pytest
 
 from tests.docs.prose import ROOT
+from tests.processes import run_command
 
 _PAGE = (ROOT / "CONTRIBUTING.md").read_text()
 STEPS = _PAGE.partition("## A first change")[2].partition("\n## ")[0]
@@ -48,12 +48,8 @@ def run(tmp_path_factory):
 
     def run(command, *more):
         words = [*shlex.split(command), *more]
-        return subprocess.run(
-            [sys.executable, "-c", WITH_COPY, copy, module, *words],
-            capture_output=True,
-            text=True,
-            check=False,
-            cwd=ROOT,
+        return run_command(
+            sys.executable, "-c", WITH_COPY, copy, module, *words, code=None, cwd=ROOT
         )
 
     return run

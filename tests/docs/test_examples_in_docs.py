@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.driver.camera_settings import CameraSettings
-from neurotouch_hid.driver.gel_file import load_gel
+from neurotouch_hid.driver.gel_file import choose_gel
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.profile import check_content
 from neurotouch_hid.profile.reading.load import load_settings
@@ -57,7 +57,7 @@ def test_gels_can_be_loaded(tmp_path: Path):
     path = tmp_path / "gel.yaml"
     for text, n in zip(find_yaml("gel-format.md"), (151, 80), strict=True):
         path.write_text(text)
-        assert load_gel(path).n_markers == n
+        assert choose_gel(str(path)).gel.n_markers == n
 
 
 def test_rig_file_can_be_loaded(tmp_path: Path):

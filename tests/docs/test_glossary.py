@@ -1,12 +1,12 @@
 """The glossary: at most forty words, in order, each used."""
 
 import re
-import subprocess
 import tomllib
 
 import pytest
 
 from tests.docs.prose import ROOT
+from tests.processes import run_command
 
 GLOSSARY = ROOT / "docs" / "glossary.md"
 TERMS = re.findall(r"^([a-z][a-z -]+)\n: ", GLOSSARY.read_text(encoding="utf-8"), re.MULTILINE)
@@ -52,12 +52,8 @@ def test_every_term_is_used_in_the_program_and_on_a_page():
 
 def find_files_with(term: str, places: list[str]) -> list[str]:
     words = term.replace(" ", "[ _]").replace("-", "-?")
-    found = subprocess.run(
-        ["git", "grep", "-lwiE", f"{words}(e?s)?", "--", *places],
-        cwd=ROOT,
-        check=False,
-        capture_output=True,
-        text=True,
+    found = run_command(
+        "git", "grep", "-lwiE", f"{words}(e?s)?", "--", *places, code=None, cwd=ROOT
     )
     return found.stdout.splitlines()
 
@@ -102,7 +98,7 @@ def test_ordinary_word_is_not(text: str):
 def list_texts() -> list[str]:
     """All text files of ``PLACES``, from the repository's root."""
     command = ["git", "grep", "-I", "--name-only", "-e", "", "--", *PLACES]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    done = run_command(*command, cwd=ROOT)
     return [path for path in done.stdout.splitlines() if not path.endswith((".svg", ".lock"))]
 
 

@@ -1,13 +1,13 @@
 """The site builds without a warning and without network, and a browser needs none to read it."""
 
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 from tests.docs.prose import ROOT
+from tests.processes import run_command
 
 pytest.importorskip("furo", reason="the tools for the documents are not installed")
 
@@ -16,15 +16,7 @@ pytest.importorskip("furo", reason="the tools for the documents are not installe
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
     options = ("--quiet", "--fail-on-warning", "--keep-going", "--nitpicky", "--fresh-env")
-    done = subprocess.run(
-        [sys.executable, "-m", "sphinx", *options, "docs", str(folder)],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=600,
-    )
-    assert done.returncode == 0, done.stderr
+    run_command(sys.executable, "-m", "sphinx", *options, "docs", folder, cwd=ROOT)
     return folder
 
 

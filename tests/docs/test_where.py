@@ -1,13 +1,13 @@
 """Every path that the page names is there."""
 
 import re
-import subprocess
 import tomllib
 from pathlib import Path
 
 import pytest
 
 from tests.docs.prose import ROOT
+from tests.processes import run_command
 
 PAGE = ROOT / "docs" / "develop" / "where.md"
 ROWS = [
@@ -78,5 +78,5 @@ def test_files_that_a_page_names_are_there(page: Path):
 def list_files() -> list[str]:
     """All files under version control, from the repository's root."""
     command = ["git", "ls-files"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    done = run_command(*command, cwd=ROOT)
     return done.stdout.splitlines()

@@ -9,6 +9,7 @@ import pytest
 
 from neurotouch_hid.doctor import programs
 from neurotouch_hid.doctor.finding import CheckStatus
+from tests.waiting import wait_until
 
 
 @contextmanager
@@ -31,11 +32,7 @@ def running(tmp_path, name, *, script=False):
 
 def look_until(check, status):
     """What the check says once it says so; a process needs a moment to take its name."""
-    deadline = time.monotonic() + 60
-    while (finding := check()).status is not status:
-        assert time.monotonic() < deadline, finding
-        time.sleep(0.02)
-    return finding
+    return wait_until(lambda: (finding := check()).status is status and finding, check)
 
 
 def test_steam(tmp_path):

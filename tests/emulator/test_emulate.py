@@ -1,16 +1,17 @@
 """``neurotouch emulate`` as a user meets it."""
 
-import subprocess
 import sys
 
 import pytest
 from neurotouch_devtools.emulator import FaultKind
 from neurotouch_devtools.emulator.usbip import VHCI
 
+from tests.processes import run_command
+
 
 def emulate(*arguments):
     command = [sys.executable, "-m", "neurotouch_hid", "emulate", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=180, check=False)
+    return run_command(*command, code=None)
 
 
 def test_it_explains_itself():

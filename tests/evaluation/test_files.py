@@ -1,6 +1,8 @@
 """Whole recordings: simulated, written, played through the line and compared with their labels."""
 
 import json
+from concurrent.futures import Future
+from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +12,8 @@ from click.testing import CliRunner
 from neurotouch_hid.cli.evaluate import command
 from neurotouch_hid.driver import REFERENCE
 from neurotouch_hid.errors import GelNotFoundError, NeuroTouchError, RecordingError
-from neurotouch_hid.evaluation.accuracy import evaluate_files, format_table
+from neurotouch_hid.evaluation.accuracy import evaluate_files, files, format_table
+from neurotouch_hid.evaluation.accuracy.files import evaluate_file
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source.simulator import Simulator
@@ -66,6 +69,24 @@ def test_two_processes_give_the_same_figures(recordings):
         return report
 
     assert figures(2) == figures(1)
+
+
+def test_the_largest_recording_is_begun_first_and_the_order_of_the_results_stays(
+    recordings, monkeypatch
+):
+    begun = []
+
+    class Pool:
+        def submit(self, _, path, options):
+            begun.append(path)
+            done = Future()
+            done.set_result(evaluate_file(path, options))
+            return done
+
+    monkeypatch.setattr(files, "open_pool", lambda *_: nullcontext(Pool()))
+    ordered = sorted(recordings, key=lambda path: path.stat().st_size)
+    assert list(evaluate_files(ordered, PAPER, jobs=2).files) == [path.stem for path in ordered]
+    assert begun == ordered[::-1]
 
 
 def test_files_of_one_name_keep_their_folders(recordings, tmp_path):

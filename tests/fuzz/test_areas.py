@@ -2,7 +2,6 @@
 
 import json
 import random
-import subprocess
 import sys
 
 import pytest
@@ -10,6 +9,7 @@ import pytest
 from neurotouch_hid.errors import RecordingError
 from tests.fuzz.area import Area, run_area
 from tests.fuzz.areas import FILES
+from tests.processes import run_command
 
 
 @pytest.mark.parametrize("name", FILES)
@@ -44,12 +44,7 @@ def test_a_fault_is_kept(tmp_path, check, fault):
 def test_by_coverage_it_ends_by_itself(tmp_path):
     pytest.importorskip("atheris")
     words = ["-m", "tests.fuzz", "labels", "--guided", "--seed", "1", "--minutes", "0.03"]
-    done = subprocess.run(
-        [sys.executable, *words, "--folder", str(tmp_path)],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run_command(sys.executable, *words, "--folder", tmp_path)
     (line,) = done.stdout.splitlines()
     assert line.endswith("0 faults")
     assert int(line.split(" cases")[0].split()[-1]) > 200  # more than it began with
@@ -63,12 +58,7 @@ def test_by_coverage_a_process_that_takes_much_memory_is_followed_by_another(tmp
     )
     corpus = tmp_path / "corpus"
     corpus.mkdir()
-    done = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path), str(corpus)],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run_command(sys.executable, "-c", code, tmp_path, corpus)
     first = json.loads(done.stdout)
     assert first["cases"] < 200
     assert len(list(corpus.iterdir())) >= 200  # for the next one

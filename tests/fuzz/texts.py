@@ -8,7 +8,7 @@ from pydantic import BaseModel
 
 from neurotouch_hid.device.outputs.identity import choose_identity
 from neurotouch_hid.driver.camera_settings import CameraSettings
-from neurotouch_hid.driver.gel_file import load_gel
+from neurotouch_hid.driver.gel_file import choose_gel
 from neurotouch_hid.driver.service_settings import ServiceSettings
 from neurotouch_hid.driver.settings import DriverSettings
 from neurotouch_hid.errors import DeviceError, ProfileError, RecordingError
@@ -136,7 +136,7 @@ _GELS: Final = (
 )
 GELS: Final = Area(
     lambda chance: mutate(chance.choice(_GELS), chance),
-    load_gel,
+    lambda path: choose_gel(str(path)),
     ProfileError,
     ".gel.yaml",
     lines=200,

@@ -38,10 +38,10 @@ def flicker():
         yield EventPacket(begin_us, begin_us + 10_000, events, ())
 
 
-def emulate(scene, *faults, serial="00000001", super_speed=True, pace=1.0):
+def emulate(scene, *faults, serial="00000001", super_speed=True):
     """A camera whose scene begins when a guest, however slow, has started it."""
     identity = Identity(serial=serial, super_speed=super_speed)
-    config = CameraConfig(identity=identity, fifo_bytes=FIFO_BYTES, await_reset=True, pace=pace)
+    config = CameraConfig(identity=identity, fifo_bytes=FIFO_BYTES, await_reset=True)
     return EmulatedCamera(scene, config, [Fault.parse(fault) for fault in faults])
 
 

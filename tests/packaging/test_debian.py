@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.processes import run_command
+
 ROOT = Path(__file__).parents[2]
 DEBIAN = ROOT / "packaging/debian"
 LOCK = ROOT / "packaging/requirements.lock"
@@ -123,12 +125,7 @@ def test_manual_pages_are_sound(which, tmp_path):
     if which == "neurotouch.1":
         page = tmp_path / which
         page.write_text(make_page())
-    done = subprocess.run(
-        ["groff", "-man", "-ww", "-z", "-Tutf8", "-k", str(page)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = run_command("groff", "-man", "-ww", "-z", "-Tutf8", "-k", page, code=None)
     assert done.stderr == ""
 
 
@@ -150,13 +147,7 @@ def test_the_page_of_the_service_knows_every_choice():
 def test_the_desktop_understands_its_files(program, arguments, file):
     if not shutil.which(program):
         pytest.skip(f"{program} is not installed")
-    done = subprocess.run(
-        [program, *arguments, str(ROOT / "packaging/desktop" / file)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
+    run_command(program, *arguments, ROOT / "packaging/desktop" / file)
 
 
 def test_the_desktop_entry_starts_commands_that_there_are():
@@ -171,12 +162,7 @@ def test_the_desktop_entry_starts_commands_that_there_are():
 def make_page() -> str:
     import sys
 
-    done = subprocess.run(
-        [sys.executable, str(ROOT / "packaging/man/make_page.py")],
-        cwd=ROOT,
-        env={"PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=True,
+    done = run_command(
+        sys.executable, ROOT / "packaging/man/make_page.py", cwd=ROOT, env={"PYTHONPATH": str(ROOT)}
     )
     return done.stdout

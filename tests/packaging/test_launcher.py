@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.processes import run_command
+
 ROOT = Path(__file__).parents[2]
 LIMIT_S = 500
 LEFT = "unexplained"
@@ -55,13 +57,7 @@ def test_code_is_never_loaded_from_below_the_current_folder(tmp_path, given, use
     file = tmp_path / "neurotouch"
     file.write_text(text.replace("/usr/lib/neurotouch-hid", str(tmp_path)))
     named = {} if given is None else {"XDG_CACHE_HOME": given}
-    done = subprocess.run(
-        [sys.executable, "-I", str(file)],
-        env={"HOME": str(tmp_path), **named},
-        capture_output=True,
-        text=True,
-        check=True,
-    )
+    done = run_command(sys.executable, "-I", file, env={"HOME": str(tmp_path), **named})
     assert done.stdout.strip() == f"{used.replace('HOME', str(tmp_path))}/neurotouch"
 
 
@@ -78,17 +74,7 @@ def run(launcher, tmp_path):
     }
 
     def call(*arguments):
-        done = subprocess.run(
-            [str(python), "-I", str(launcher), *arguments],
-            capture_output=True,
-            text=True,
-            timeout=LIMIT_S,
-            env=environment,
-            cwd=tmp_path,
-            check=False,
-        )
-        assert done.returncode == 0, done.stderr
-        return done
+        return run_command(python, "-I", launcher, *arguments, env=environment, cwd=tmp_path)
 
     return call
 

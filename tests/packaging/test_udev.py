@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.source.davis.registers import PRODUCT_ID, VENDOR_ID
+from tests.processes import run_command
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "packaging/systemd/examples").glob("*.rules"))
@@ -21,7 +22,7 @@ def read_lines(path: Path) -> list[str]:
 
 
 def ask_udev(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(["udevadm", *arguments], capture_output=True, text=True, check=False)
+    return run_command("udevadm", *arguments, code=None)
 
 
 def test_there_are_rules():

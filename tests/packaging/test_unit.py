@@ -11,6 +11,7 @@ import click
 import pytest
 
 from neurotouch_hid.errors import DriverError, ProfileError
+from tests.processes import run_command
 
 ROOT = Path(__file__).parents[2]
 UNIT = ROOT / "packaging/systemd/neurotouch.service"
@@ -25,9 +26,7 @@ needs_systemd = pytest.mark.skipif(
 
 
 def analyze(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        ["systemd-analyze", *arguments], capture_output=True, text=True, check=False
-    )
+    return run_command("systemd-analyze", *arguments, code=None)
 
 
 def find_version() -> int:
@@ -56,9 +55,7 @@ def test_systemd_finds_nothing_wrong(tmp_path, drop_in):
 def make_template() -> str:
     """The unit of another player, as the package's build makes it."""
     script = UNIT.parent / "players.sed"
-    done = subprocess.run(
-        ["sed", "-f", str(script), str(UNIT)], capture_output=True, text=True, check=True
-    )
+    done = run_command("sed", "-f", script, UNIT)
     return done.stdout
 
 
@@ -163,9 +160,7 @@ class Lent:
             "/dev/u", f"{self.folder}/dev/u"
         )
         path = f"{self.folder}:{os.environ['PATH']}"
-        done = subprocess.run(
-            shlex.split(line), env={"PATH": path}, capture_output=True, text=True, check=True
-        )
+        done = run_command(*shlex.split(line), env={"PATH": path})
         assert done.stdout + done.stderr == ""
 
     @property

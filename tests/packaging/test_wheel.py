@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.resources import find_resources
+from tests.processes import run_command
 
 ROOT = Path(__file__).parents[2]
 INSIDE = {
@@ -43,13 +44,12 @@ def python(built, tmp_path_factory) -> Path:
 
 def run(python: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """A command of the fresh environment, far from any checkout."""
-    return subprocess.run(
-        [str(python), *arguments],
+    return run_command(
+        python,
+        *arguments,
+        code=None,
         cwd=python.parent,
         env={**os.environ, "PYTHONPATH": sysconfig.get_path("purelib")},
-        capture_output=True,
-        text=True,
-        check=False,
     )
 
 

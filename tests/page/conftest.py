@@ -6,14 +6,15 @@ ends, and stays in one process.
 
 import os
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
 from tests.page import chromium
 from tests.page.played import PlayedDriver
-from tests.page.processes import Driver, View
 from tests.page.waiting import wait_for
+from tests.processes import Driver, View
 
 PROFILE = """\
 # How I play.
@@ -40,6 +41,19 @@ def find_chromium() -> str:
             pytest.fail(f"browser tests are required, but there is {chromium.MISSING}")
         pytest.skip(f"browser tests: {chromium.MISSING}")
     return found
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    """Adds to a failure what the open pages say; on another machine nobody sees them."""
+    report = yield
+    browser = getattr(item, "funcargs", {}).get("browser")
+    if report.failed and report.when == "call" and browser is not None:
+        for context in browser.contexts:
+            for page in context.pages:
+                with suppress(Exception):  # whatever it is, the failure is what counts
+                    report.sections.append((page.url, page.inner_text("body", timeout=5000)))
+    return report
 
 
 @pytest.fixture(scope="module")
@@ -112,6 +126,15 @@ def view(driver: Driver) -> Iterator[View]:
 def alone(tmp_path_factory):
     """The page's server, which may edit, with no driver."""
     running = View(tmp_path_factory.mktemp("alone"), "--edit")
+    yield running
+    running.end()
+
+
+@pytest.fixture
+def bare(tmp_path: Path) -> Iterator[View]:
+    """The page's server on a machine where nothing runs; each test has its own."""
+    (tmp_path / "config/neurotouch/profiles").mkdir(parents=True)
+    running = View(tmp_path, "--edit")
     yield running
     running.end()
 

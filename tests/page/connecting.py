@@ -6,7 +6,7 @@ import json
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
-from tests.page.processes import LIMIT_S
+from tests.processes import LIMIT_S
 
 
 def get(view, path="/", host=None, method="GET"):

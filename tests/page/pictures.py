@@ -19,7 +19,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 from tests.page.conftest import PROFILE, find_chromium
-from tests.page.processes import Driver, Process, View
+from tests.processes import Driver, Process, View
 
 FOLDER = Path(__file__).parents[2] / "docs" / "pictures"
 DESK = {"width": 1280, "height": 860}

@@ -13,7 +13,7 @@ from neurotouch_hid.page.guard import (
 )
 from neurotouch_hid.page.server import open_sockets
 from tests.page.connecting import get
-from tests.page.processes import View
+from tests.processes import View
 
 STRANGERS = [
     "evil.example",

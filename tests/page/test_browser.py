@@ -12,8 +12,8 @@ import pytest
 
 from neurotouch_hid.partial_file import write_whole
 from tests.page.conftest import PROFILE
-from tests.page.processes import LIMIT_S, Driver, Process, View
 from tests.page.waiting import wait_for, wait_on
+from tests.processes import LIMIT_S, Driver, Process, View
 
 
 def wait_for_say(page, words: str) -> str:
@@ -47,6 +47,29 @@ def find_box(locator) -> dict[str, float]:
 
     wait_on(locator.page, is_drawn)
     return found[0]
+
+
+def take_hold(page, mark: str) -> tuple[float, float]:
+    """Presses the mouse on a mark, and says where. What is above it may come and go, and move it
+    away from a pointer that is on its way; so try again, as a person does."""
+    handle = page.locator(mark)
+    held: list[tuple[float, float]] = []
+
+    def is_held() -> bool:
+        handle.evaluate("handle => handle.scrollIntoView()")  # at once: it may soon be replaced
+        box = find_box(handle)
+        place = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        page.mouse.move(*place)
+        page.mouse.down()
+        if handle.evaluate("handle => handle.classList.contains('held')"):
+            held.append(place)
+        else:
+            page.mouse.move(0, 0)  # whatever it is on, it is not clicked
+            page.mouse.up()
+        return bool(held)
+
+    wait_on(page, is_held)
+    return held[0]
 
 
 def wait_while_it_runs(page, condition: str) -> None:
@@ -110,12 +133,8 @@ def test_dragging_a_threshold_changes_one_line_of_the_file(open_page, view, fold
     save(path, PROFILE)
     page = open_page(view.link)
     page.wait_for_selector("[data-movement=pinch] .mark-on_mm.draggable")
-    mark = page.locator("[data-movement=pinch] .mark-on_mm")
+    x, y = take_hold(page, "[data-movement=pinch] .mark-on_mm")
     lane = find_box(page.locator("[data-movement=pinch] .marks"))
-    box = find_box(mark)
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.move(x, y)
-    page.mouse.down()
     page.mouse.move(x + lane["width"] * (6.0 - 4.0) / 15, y, steps=5)
     assert path.read_text() == PROFILE  # nothing is saved while it is held
     page.mouse.up()
@@ -151,12 +170,8 @@ def test_a_range_moves_by_keyboard_and_a_curve_by_hand(open_page, view, folder):
         "() => document.querySelector('[data-movement=push_left] .mark-full').title.includes('7.5')"
     )
     page.select_option("#curve-choice", label="push → stick left")
-    handle = page.locator("#curve-handles .mark-expo")
-    handle.evaluate("handle => handle.scrollIntoView()")  # at once: it may be drawn anew any time
-    box, plot = find_box(handle), find_box(page.locator("#curve-handles"))
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.move(x, y)
-    page.mouse.down()
+    x, y = take_hold(page, "#curve-handles .mark-expo")
+    plot = find_box(page.locator("#curve-handles"))
     bent = 0.65 - (0.5 + 0.375 * 0.3)  # from expo 0.3 to 0.4, as shares of the height
     page.mouse.move(x, y + bent * plot["height"], steps=4)
     page.mouse.up()

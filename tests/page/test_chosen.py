@@ -4,8 +4,8 @@ import pytest
 
 from neurotouch_hid.page.profile_view import describe_profile
 from neurotouch_hid.profile.reading.library import find_shipped_folder
-from tests.page.processes import View
 from tests.page.waiting import wait_for, wait_on
+from tests.processes import View
 
 BROKEN = "version: 1\nname: broken\nbindings:\n  - {when: punch, do: {button: a}}\n"
 RESUMES = "pauses everything; the same again resumes"

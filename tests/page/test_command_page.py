@@ -9,7 +9,7 @@ import pytest
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.page.command_page import CommandPage
 from tests.page.connecting import enter, read_to_the_end, show_token
-from tests.page.processes import LIMIT_S
+from tests.processes import LIMIT_S
 
 
 def open_line(page):

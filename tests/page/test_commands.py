@@ -14,26 +14,15 @@ import pytest
 
 from neurotouch_hid.cli.shared.demo_page import open_page
 from neurotouch_hid.page.address import read_address
-from tests.page.processes import LIMIT_S, PROGRAM
+from tests.processes import LIMIT_S, PROGRAM, make_environment, run_neurotouch, start_neurotouch
+from tests.waiting import wait_until
 
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.mark.parametrize("command", ["view", "monitor", "game", "demo"])
-def test_each_has_help_with_examples(command):
-    done = subprocess.run([*PROGRAM, command, "--help"], capture_output=True, text=True, check=True)
-    assert "Examples:" in done.stdout
-
-
 def test_the_monitor_waits_for_a_driver_as_long_as_it_may(tmp_path):
-    done = subprocess.run(
-        [*PROGRAM, "monitor", "--plain", "--seconds", "0.5"],
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, "RUNTIME_DIRECTORY": str(tmp_path)},
-    )
-    assert done.returncode == 8
+    words = ("monitor", "--plain", "--seconds", "0.5")
+    done = run_neurotouch(*words, code=8, env=make_environment(tmp_path))
     assert done.stderr == (
         "No driver is running; waiting for one (Ctrl-C stops). Start it: neurotouch run. "
         "Without a camera: neurotouch demo\n"
@@ -43,17 +32,11 @@ def test_the_monitor_waits_for_a_driver_as_long_as_it_may(tmp_path):
 
 
 def test_the_monitor_shows_a_driver_that_starts_later(tmp_path):
-    environment = {**os.environ, "RUNTIME_DIRECTORY": str(tmp_path)}
-    with subprocess.Popen(
-        [*PROGRAM, "monitor", "--plain"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=environment,
-    ) as monitor:
+    environment = make_environment(tmp_path)
+    with start_neurotouch("monitor", "--plain", env=environment) as monitor:
         assert "waiting for one" in monitor.stderr.readline()
         options = ("--source", "sim:push", "--device", "memory", "--show", "nothing")
-        subprocess.run([*PROGRAM, "run", *options], check=True, env=environment)
+        run_neurotouch("run", *options, env=environment)
         said, _ = monitor.communicate(timeout=LIMIT_S)
     assert monitor.returncode == 0
     assert said.startswith("driver: running")
@@ -62,12 +45,7 @@ def test_the_monitor_shows_a_driver_that_starts_later(tmp_path):
 def test_the_monitor_tells_lines(driver):
     begins = ("hand: ", "health: 17", "latency: time slice 10 ms, tracker ")
     deadline = time.monotonic() + LIMIT_S
-    with subprocess.Popen(
-        [*PROGRAM, "monitor", "--plain"],
-        stdout=subprocess.PIPE,
-        text=True,
-        env=driver.environment,
-    ) as monitor:
+    with start_neurotouch("monitor", "--plain", env=driver.environment, stderr=None) as monitor:
         lines = []
         while not all(any(line.startswith(begin) for line in lines) for begin in begins):
             lines.append(monitor.stdout.readline())
@@ -85,13 +63,7 @@ def test_the_monitor_ends_by_itself(driver):
 
 
 def test_the_monitor_tells_json(driver):
-    with subprocess.Popen(
-        [*PROGRAM, "monitor", "--json"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=driver.environment,
-    ) as monitor:
+    with start_neurotouch("monitor", "--json", env=driver.environment) as monitor:
         states = [json.loads(monitor.stdout.readline()) for _ in range(4)]
         monitor.send_signal(signal.SIGINT)
         assert monitor.wait(LIMIT_S) == 130
@@ -117,14 +89,7 @@ def test_the_game_alone_serves_a_page_that_may_pause(tmp_path, monkeypatch):
 
 
 def test_a_demo_says_its_links_and_takes_its_page_along(tmp_path):
-    done = subprocess.run(
-        [*PROGRAM, "demo", "--seconds", "1"],
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, "RUNTIME_DIRECTORY": str(tmp_path / "run")},
-    )
-    assert done.returncode == 0, done.stderr
+    done = run_neurotouch("demo", "--seconds", "1", env=make_environment(tmp_path))
     link = re.search(r"Watch it here: (http://127\.0\.0\.1:\d+/#k=[\w-]+)", done.stderr)[1]
     game = re.search(r"Play the spacecraft: (\S+)", done.stderr)[1]
     assert game == link.replace("/#", "/game#")
@@ -144,10 +109,7 @@ def test_a_page_that_hangs_ends_with_its_demo_and_leaves_no_address(tmp_path, mo
 
 
 def test_a_mouse_needs_its_page(tmp_path):
-    done = subprocess.run(
-        [*PROGRAM, "demo", "--mouse", "--no-page"], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 2
+    run_neurotouch("demo", "--mouse", "--no-page", code=2)
 
 
 def test_the_icon_opens_the_page_that_is_served_already(tmp_path, monkeypatch):
@@ -156,23 +118,14 @@ def test_the_icon_opens_the_page_that_is_served_already(tmp_path, monkeypatch):
     browser.parent.mkdir()
     browser.write_text(f'#!/bin/sh\necho "$1" >> {shown}\n')
     browser.chmod(0o755)
-    environment = {
-        **os.environ,
-        "RUNTIME_DIRECTORY": str(tmp_path / "run"),
-        "DISPLAY": ":9",
-        "PATH": f"{browser.parent}:{os.environ['PATH']}",
-    }
+    environment = make_desktop(browser)
     entry = (ROOT / "packaging/desktop/neurotouch-hid.desktop").read_text()
     arguments = re.search(r"^Exec=neurotouch (view .*)$", entry, re.MULTILINE)[1].split()
     assert "Terminal=false" in entry
-    with subprocess.Popen(
-        [*PROGRAM, *arguments], env=environment, stdout=subprocess.PIPE, text=True
-    ) as first:
+    with start_neurotouch(*arguments, env=environment, stderr=None) as first:
         try:
             link = first.stdout.readline().split(": ", 1)[1].strip()
-            second = subprocess.run(
-                [*PROGRAM, *arguments], env=environment, capture_output=True, text=True, check=True
-            )
+            second = run_neurotouch(*arguments, env=environment)
             found = [follow(each) for each in shown.read_text().split()]
         finally:
             first.terminate()
@@ -188,18 +141,11 @@ def test_the_page_is_served_while_xdg_open_is_the_browser(tmp_path):
         f'#!/bin/sh\necho "$$ $1" > {shown}.part && mv {shown}.part {shown}\nexec sleep 60\n'
     )
     browser.chmod(0o755)
-    environment = {
-        **os.environ,
-        "RUNTIME_DIRECTORY": str(tmp_path / "run"),
-        "DISPLAY": ":9",
-        "PATH": f"{browser.parent}:{os.environ['PATH']}",
-    }
-    with subprocess.Popen(
-        [*PROGRAM, "view", "--open"], env=environment, stdout=subprocess.PIPE, text=True
-    ) as process:
+    environment = make_desktop(browser)
+    with start_neurotouch("view", "--open", env=environment, stderr=None) as process:
         try:
             link = process.stdout.readline().split(": ", 1)[1].strip()
-            wait_for_file(shown)
+            wait_until(shown.exists)
             pid, opened = shown.read_text().split()
             assert follow(opened) == link
         finally:
@@ -207,11 +153,10 @@ def test_the_page_is_served_while_xdg_open_is_the_browser(tmp_path):
     os.kill(int(pid), signal.SIGTERM)  # the browser has outlived the page
 
 
-def wait_for_file(path: Path) -> None:
-    deadline = time.monotonic() + LIMIT_S
-    while not path.exists():
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+def make_desktop(browser: Path) -> dict[str, str]:
+    """The environment of a desktop on which this program opens links."""
+    path = f"{browser.parent}:{os.environ['PATH']}"
+    return make_environment(browser.parents[1]) | {"DISPLAY": ":9", "PATH": path}
 
 
 def follow(link: str) -> str:
@@ -228,13 +173,7 @@ def follow(link: str) -> str:
 def test_without_a_browser_the_game_says_so_in_one_line(tmp_path):
     environment = {name: value for name, value in os.environ.items() if "DISPLAY" not in name}
     environment["RUNTIME_DIRECTORY"] = str(tmp_path / "run")
-    with subprocess.Popen(
-        [*PROGRAM, "game"],
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
+    with start_neurotouch("game", env=environment) as process:
         said = process.stderr.readline()
         process.kill()
     assert said == "No browser can be opened from here: open the link yourself.\n"
@@ -246,22 +185,11 @@ def test_on_a_desktop_the_name_alone_opens_the_page(tmp_path):
     browser.write_text(f'#!/bin/sh\necho "$1" > {shown}.part && mv {shown}.part {shown}\n')
     browser.chmod(0o755)
     terminal, inside = os.openpty()
-    environment = {
-        **os.environ,
-        "RUNTIME_DIRECTORY": str(tmp_path / "run"),
-        "XDG_CONFIG_HOME": str(tmp_path / "config"),
-        "DISPLAY": ":9",
-        "TERM": "xterm",
-        "PATH": f"{browser.parent}:{os.environ['PATH']}",
-    }
+    environment = make_desktop(browser) | {"TERM": "xterm"}
     environment.pop("NT_ACCESSIBLE", None)
     with subprocess.Popen(PROGRAM, env=environment, stdout=inside, stderr=inside) as process:
         os.close(inside)
-        deadline = time.monotonic() + LIMIT_S
-        while not shown.exists():
-            assert process.poll() is None
-            assert time.monotonic() < deadline
-            time.sleep(0.05)
+        wait_until(lambda: shown.exists() or process.poll() is not None)
         process.send_signal(signal.SIGINT)
         process.wait(LIMIT_S)
     said = os.read(terminal, 10_000).decode()

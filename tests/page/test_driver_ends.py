@@ -10,7 +10,7 @@ from websockets.sync.client import connect
 from neurotouch_hid.driver_state import pack
 from neurotouch_hid.ipc import FEED, listen_at
 from tests.page.played import REST
-from tests.page.processes import LIMIT_S, View
+from tests.processes import LIMIT_S, View
 
 MARKERS = bytes(9 * 177)
 

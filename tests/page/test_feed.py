@@ -19,6 +19,7 @@ from neurotouch_hid.profile import UserSettings
 from neurotouch_hid.profile.reading.load import parse_profile
 from neurotouch_hid.runtime import Pipeline, PipelineControl
 from neurotouch_hid.subscriber import Subscriber
+from tests.waiting import wait_until
 
 LIMIT_S = 60.0
 PROFILE = b"""\
@@ -68,19 +69,11 @@ def listener(line):
     made.close()
 
 
-def wait_for(happens):
-    deadline = time.monotonic() + LIMIT_S
-    while not (outcome := happens()):
-        assert time.monotonic() < deadline
-        time.sleep(0.002)
-    return outcome
-
-
 def hear(listener, line, hz=MOST_HZ):
     """Connects, and waits until the line knows what is wanted."""
     listener.want(hz)
     assert listener.connect() is not None
-    wait_for(lambda: line.feed._period_s == 1.0 / hz)
+    wait_until(lambda: line.feed._period_s == 1.0 / hz)
 
 
 def look_on(line, listener):
@@ -91,7 +84,7 @@ def look_on(line, listener):
         line.feed(line.pipeline.advance(packet))
         if due:
             due.clear()
-            yield i, wait_for(listener.take)
+            yield i, wait_until(listener.take)
         time.sleep(0.004)
 
 
@@ -137,7 +130,7 @@ def test_before_the_gel_is_found_a_state_is_whole_too(line, listener, push):
     hear(listener, line)
     packet = push.packets[0]
     step = line.pipeline.advance(type(packet)(0, 10_000, packet.events[:0]))
-    wait_for(lambda: (line.feed(step), listener.take())[1])
+    wait_until(lambda: (line.feed(step), listener.take())[1])
 
 
 def test_a_frozen_listener_holds_nobody_up_and_catches_up_at_once(line, listener):
@@ -146,7 +139,7 @@ def test_a_frozen_listener_holds_nobody_up_and_catches_up_at_once(line, listener
     encode = line.observer.encode
     line.observer.encode = lambda shot: made.append(shot) or encode(shot)
     step = line.play(pace_s=0.005)  # nobody reads meanwhile
-    wait_for(lambda: (line.feed(step), len(made) > 40)[1])
+    wait_until(lambda: (line.feed(step), len(made) > 40)[1])
     states = []
     while select.select([listener.peer], [], [], 0.2)[0]:
         states.append(listener.peer.recv(65536))
@@ -154,17 +147,17 @@ def test_a_frozen_listener_holds_nobody_up_and_catches_up_at_once(line, listener
     line.feed(line.play(1))
     time.sleep(0.05)
     line.play(30, pace_s=0.005)
-    wait_for(listener.take)
+    wait_until(listener.take)
 
 
 def test_no_more_states_than_are_wanted_whatever_is_asked(line, listener):
     listener.want(1_000_000)
     listener.connect()
-    wait_for(lambda: line.feed._period_s == 1.0 / MOST_HZ)
+    wait_until(lambda: line.feed._period_s == 1.0 / MOST_HZ)
     listener.want(7)
-    wait_for(lambda: line.feed._period_s == pytest.approx(1.0 / 7))
+    wait_until(lambda: line.feed._period_s == pytest.approx(1.0 / 7))
     listener.want(0)
-    wait_for(lambda: line.feed._period_s == 0.0)
+    wait_until(lambda: line.feed._period_s == 0.0)
 
 
 @pytest.mark.parametrize("nonsense", [b"x", b"-1", b"1.5", b"\xff" * 16])
@@ -176,13 +169,13 @@ def test_nonsense_ends_a_listener_and_nothing_else(line, listener, tmp_path, non
         peer.settimeout(LIMIT_S)
         assert peer.recv(100) == b""
     line.play(10, pace_s=0.01)
-    wait_for(listener.take)
+    wait_until(listener.take)
 
 
 def test_a_listener_that_goes_is_forgotten(line, listener):
     hear(listener, line)
     listener.close()
-    wait_for(lambda: line.feed._period_s == 0.0)
+    wait_until(lambda: line.feed._period_s == 0.0)
     line.play(5)
 
 
@@ -196,10 +189,10 @@ def test_a_listener_that_goes_while_it_is_sent_to_ends_nothing_else(line, listen
     line.play(1)
     leaving.close()
     answer.set()
-    wait_for(lambda: line.feed._period_s == 0.0)
+    wait_until(lambda: line.feed._period_s == 0.0)
     hear(listener, line)
     line.play(10, pace_s=0.02)
-    wait_for(listener.take)
+    wait_until(listener.take)
     hear_later.close()
 
 
@@ -220,7 +213,7 @@ def test_guests_are_admitted_one_by_one(tmp_path, line):
             peer.settimeout(LIMIT_S)
         assert refused.recv(100) == b""
         welcome.send(b"30")
-        wait_for(lambda: feed._period_s == 1 / 30)
+        wait_until(lambda: feed._period_s == 1 / 30)
     assert asked == [os.geteuid()] * 2
     feed.close()
 
@@ -234,7 +227,7 @@ def test_a_guest_who_leaves_the_seat_is_turned_away(tmp_path, line, monkeypatch)
         guest.setblocking(True)
         guest.settimeout(LIMIT_S)
         guest.send(b"60")
-        wait_for(lambda: feed._period_s == 1 / 60)
+        wait_until(lambda: feed._period_s == 1 / 60)
         step = line.play(1)
         feed(step)
         assert read_head(guest.recv(100_000))["n"] > 0
@@ -242,13 +235,13 @@ def test_a_guest_who_leaves_the_seat_is_turned_away(tmp_path, line, monkeypatch)
         feed._due_s = 0.0
         feed(step)
         assert guest.recv(100_000) == b""
-        wait_for(lambda: feed._period_s == 0.0)  # nobody is left to encode for
+        wait_until(lambda: feed._period_s == 0.0)  # nobody is left to encode for
     feed.close()
 
 
 def test_there_is_room_for_a_few(line, tmp_path):
     peers = [connect_to(tmp_path / FEED) for _ in range(MOST_SUBSCRIBERS)]
-    wait_for(lambda: len(line.feed._wants) == MOST_SUBSCRIBERS)
+    wait_until(lambda: len(line.feed._wants) == MOST_SUBSCRIBERS)
     with connect_to(tmp_path / FEED) as late:
         late.setblocking(True)
         late.settimeout(LIMIT_S)
@@ -260,11 +253,11 @@ def test_there_is_room_for_a_few(line, tmp_path):
 def test_a_driver_that_ends_is_noticed_and_the_next_one_found(line, listener, tmp_path, push):
     hear(listener, line)
     line.feed.close()
-    wait_for(lambda: listener.take() is None and listener.peer is None)
+    wait_until(lambda: listener.take() is None and listener.peer is None)
     assert listener.connect() is None
     again = Line(tmp_path, push.packets)
     assert listener.connect() is not None
-    wait_for(lambda: again.feed._period_s > 0.0)
+    wait_until(lambda: again.feed._period_s > 0.0)
     again.feed.close()
 
 

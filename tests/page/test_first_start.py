@@ -15,8 +15,8 @@ from axe_playwright_python.sync_playwright import Axe
 from neurotouch_hid.page.profile_view import describe_profile
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from tests.page.played import REST
-from tests.page.processes import Process
 from tests.page.waiting import wait_for, wait_on
+from tests.processes import Process
 
 ENTRY = Path(__file__).parents[2] / "packaging/desktop/neurotouch-hid.desktop"
 VIEW = describe_profile(find_shipped_folder() / "default.yaml", edit=True)

@@ -4,9 +4,9 @@ import json
 import re
 import zipfile
 
-from tests.page.processes import Process
 from tests.page.test_layout import check_rules
 from tests.page.waiting import wait_for
+from tests.processes import Process
 
 
 def start(folder, *arguments):

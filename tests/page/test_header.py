@@ -3,8 +3,8 @@
 import pytest
 
 from tests.page.played import PlayedDriver
-from tests.page.processes import View
 from tests.page.waiting import wait_for, wait_on
+from tests.processes import View
 
 NAMES = ["", "live", "gel", "game", "sheet"]
 BUTTON = "#pause-resume"
@@ -25,6 +25,16 @@ def test_pause_is_the_first_tab_stop_after_the_skip_link_of_every_page(play, nam
         page.keyboard.press("Tab")
         stops.append(page.evaluate("[document.activeElement.className, document.activeElement.id]"))
     assert stops == [["skip", ""], ["", "pause-resume"]]
+
+
+def test_nothing_is_said_to_play_when_no_driver_runs(play):
+    page, driver = play()
+    wait_for(page, "badges", "profile")
+    driver.tell(driver=False)
+    wait_for(page, "driver-state", "No driver is running")
+    assert page.text_content("#badges") == ""
+    driver.show()
+    wait_for(page, "badges", "profile")
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -8,8 +8,8 @@ from neurotouch_hid.page.profile_view import describe_profile
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from neurotouch_hid.profile.schema.keyboard_keys import KEYS
 from tests.page.conftest import PROFILE
-from tests.page.processes import View
 from tests.page.waiting import wait_for, wait_on
+from tests.processes import View
 
 VIEW = describe_profile(find_shipped_folder() / "default.yaml", edit=True)
 GROUPS = [

@@ -9,27 +9,20 @@ import subprocess
 
 import pytest
 
+from neurotouch_hid.page.output_choices import list_outputs
+from neurotouch_hid.page.profile_view import describe_profile
+from neurotouch_hid.profile.reading.library import find_shipped_folder
 from tests.page.conftest import PROFILE
-from tests.page.processes import LIMIT_S, Driver, View
 from tests.page.waiting import wait_for, wait_on
-
-
-@pytest.fixture
-def alone(tmp_path):
-    """The page's server on a machine where nothing runs."""
-    profiles = tmp_path / "config/neurotouch/profiles"
-    profiles.mkdir(parents=True)
-    view = View(tmp_path, "--edit")
-    yield view
-    view.end()
+from tests.processes import LIMIT_S, Driver, View
 
 
 def read(page, id_: str) -> str:
     return page.locator(f"#{id_}").text_content()
 
 
-def test_from_nothing_to_the_mouse_gel_and_back_without_a_terminal(alone, open_page):
-    page = open_page(alone.home)
+def test_from_nothing_to_the_mouse_gel_and_back_without_a_terminal(bare, open_page):
+    page = open_page(bare.home)
     wait_for(page, "situation", "No camera found.")
     page.click("#start-mouse")  # the first click
     page.wait_for_selector("#fly:not([hidden])")
@@ -41,19 +34,19 @@ def test_from_nothing_to_the_mouse_gel_and_back_without_a_terminal(alone, open_p
     wait_on(page, lambda: "No real controller" not in read(page, "start-lines"))
 
 
-def test_what_the_page_started_ends_with_the_page(alone, open_page):
-    page = open_page(alone.home)
+def test_what_the_page_started_ends_with_the_page(bare, open_page):
+    page = open_page(bare.home)
     page.click("#start-mouse")
     page.wait_for_selector("#end:not([hidden])")
-    pid = Driver.status(alone)["pid"]
+    pid = Driver.status(bare)["pid"]
     page.close()
-    alone.end()
+    bare.end()
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
 
 
-def test_profiles_can_be_prepared_before_anything_runs(alone, open_page):
-    page = open_page(alone.home)
+def test_profiles_can_be_prepared_before_anything_runs(bare, open_page):
+    page = open_page(bare.home)
     page.select_option("#profile-choice", "push-only")
     page.click("#profile-copy")
     wait_for(page, "saved", "'mine' is your own copy of push-only.")
@@ -63,7 +56,7 @@ def test_profiles_can_be_prepared_before_anything_runs(alone, open_page):
     page.locator("[data-movement=pinch] .row button").click()
     page.click("#outputs button:text-is('X')")
     wait_for(page, "saved", "Saved in mine")
-    assert "button: x" in (alone.folder / "config/neurotouch/profiles/mine.yaml").read_text()
+    assert "button: x" in (bare.folder / "config/neurotouch/profiles/mine.yaml").read_text()
     page.click("#start-mouse")  # the next start
     wait_for(page, "situation", "The mouse presses a simulated gel.")
     wait_for(page, "badges", "profile mine")
@@ -142,6 +135,41 @@ def test_what_cannot_be_bound_is_refused_and_nothing_is_saved(view, folder, open
     assert path.read_text() == PROFILE
 
 
+@pytest.mark.parametrize("button", ["#profile-use", "#profile-copy"])
+def test_a_profile_with_errors_is_refused_in_words_to_be_read_aloud(alone, open_page, button):
+    path = alone.folder / "config/neurotouch/profiles/broken.yaml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("version: 1\nname: broken\nbindings:\n  - {when: pusch, do: {stick: left}}\n")
+    page = open_page(alone.home)
+    page.wait_for_selector("#profile-choice option[value=broken]", state="attached")
+    page.select_option("#profile-choice", "broken")
+    page.click(button)
+    wait_for(page, "saved", "The profile 'broken' cannot be used. Line 4, ")
+    assert "^" not in read(page, "saved")
+    path.unlink()
+
+
+@pytest.mark.parametrize("end", ["cancelled", "Escape", "the driver ends"])
+def test_what_is_asked_for_is_no_longer_said_when_it_is_over(play, end):
+    page, driver = play("")
+    view = describe_profile(find_shipped_folder() / "default.yaml", edit=True)
+    driver.tell(about=view, outputs=list_outputs())
+    driver.show(profile="default", layer=view["layers"][0]["name"])
+    page.click("#by-doing")
+    wait_for(page, "saved", "The gamepad is paused meanwhile.")
+    driver.show(profile="default", layer=view["layers"][0]["name"], state="paused")
+    if end == "cancelled":
+        page.click("#by-doing")
+    elif end == "Escape":
+        page.keyboard.press("Escape")
+    else:
+        driver.tell(
+            driver=False, situation={"kind": "none", "text": "No camera found.", "next": ""}
+        )
+    wait_for(page, "by-doing", "Make a movement to change it")
+    assert read(page, "saved") == ""
+
+
 def test_the_range_is_measured_with_the_words_of_the_terminal(view, folder, open_page):
     page = open_page(view.home)
     page.wait_for_selector("#by-doing:not([hidden])")
@@ -195,8 +223,8 @@ def test_a_measurement_continues_after_the_page_s_server_has_ended(driver, folde
         second.end()
 
 
-def test_a_measurement_continues_after_the_driver_has_ended(alone, open_page):
-    page = open_page(alone.home)
+def test_a_measurement_continues_after_the_driver_has_ended(bare, open_page):
+    page = open_page(bare.home)
     page.click("#start-mouse")
     wait_for(page, "situation", "The mouse presses a simulated gel.")
     page.click("#measure")
@@ -208,7 +236,7 @@ def test_a_measurement_continues_after_the_driver_has_ended(alone, open_page):
     assert "Enter" not in read(page, "answer")  # the page has a button for it
     page.click("[data-answer='s']")
     wait_for(page, "request", "4 of 10")
-    Driver.call(alone, "stop")
+    Driver.call(bare, "stop")
     wait_for(page, "request", "Ended. What you did is kept.")
     page.locator("#start-gel #gel").wait_for(state="attached")
     page.click("#start-mouse")
@@ -232,8 +260,8 @@ def test_the_camera_s_picture_and_the_sheet(view, folder, open_page):
     assert not sheet.locator("header").is_visible()
 
 
-def test_the_machine_is_checked_from_the_page(alone, open_page):
-    page = open_page(alone.home)
+def test_the_machine_is_checked_from_the_page(bare, open_page):
+    page = open_page(bare.home)
     page.click("#check")
     page.wait_for_function(
         "() => /checks: everything|found a fault/.test("

@@ -18,9 +18,9 @@ from neurotouch_hid.labelling.label_file import LabelFile
 from neurotouch_hid.labelling.look_through import Pictures, look_through
 from neurotouch_hid.recording import read_labels
 from tests.labelling.recordings import write_recording
-from tests.page.processes import Process
 from tests.page.test_layout import check_rules
 from tests.page.waiting import wait_for, wait_on
+from tests.processes import Process
 
 SECONDS = 20
 KEY_S, THOUGHT_S, DRAG_S = 0.28, 1.35, 1.1 + 0.1 + 0.45 + 0.1

@@ -23,7 +23,7 @@ from neurotouch_hid.page.guard import (
 from neurotouch_hid.page.hub import Hub
 from neurotouch_hid.page.server import Server, open_sockets
 from tests.page.connecting import enter, read_to_the_end, show_token
-from tests.page.processes import LIMIT_S
+from tests.processes import LIMIT_S
 
 
 def test_a_long_message_ends_the_line(server):

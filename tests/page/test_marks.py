@@ -139,3 +139,20 @@ def test_of_two_marks_at_one_place_each_is_dragged(play, by, mark):
     asked = driver.answer(saved="Saved.")
     assert (asked["do"], asked["mark"]) == ("set", mark)
     assert asked["value"] == pytest.approx(4.0, abs=0.1)
+
+
+def test_a_held_mark_goes_as_far_as_the_pointer_though_the_page_moves(play):
+    page, driver = play(viewport={"width": 1280, "height": 2000})
+    show_profile(page, driver, "spacecraft")
+    handle = page.locator("#curve-handles .mark-expo")
+    before = float(handle.get_attribute("aria-valuenow"))
+    box, plot = handle.bounding_box(), page.locator("#curve-handles").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.evaluate("document.querySelector('main').style.marginTop = '100px'")
+    page.mouse.move(x + 1, y)
+    assert float(handle.get_attribute("aria-valuenow")) == before
+    page.mouse.move(x, y + 0.1 * 0.375 * plot["height"])
+    assert float(handle.get_attribute("aria-valuenow")) == pytest.approx(before + 0.1, abs=0.011)
+    page.mouse.up()

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from tests.page.connecting import enter, show_token
-from tests.page.processes import LIMIT_S
+from tests.processes import LIMIT_S
 
 
 @pytest.mark.parametrize(

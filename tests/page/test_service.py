@@ -7,8 +7,8 @@ import pytest
 
 from tests.cli.test_session import PLAY
 from tests.page.conftest import PROFILE
-from tests.page.processes import Process, View
 from tests.page.waiting import wait_for, wait_on
+from tests.processes import Process, View
 
 ON = "[data-movement=pinch] .mark-on_mm"
 

@@ -1,13 +1,12 @@
 """The first page starts from any state: beside a driver that waits, beside a service, prepared."""
 
 import os
-import subprocess
 import sys
 
 import pytest
 
-from tests.page.processes import LIMIT_S, PROGRAM, Process, View
 from tests.page.waiting import wait_for, wait_on
+from tests.processes import Process, View, make_environment, run_neurotouch
 
 WAITS = """
 import sys
@@ -87,22 +86,12 @@ def test_the_mouse_gel_starts_beside_a_service_that_waits(tmp_path, session, ope
 
 @pytest.mark.parametrize("chosen", [False, True])
 def test_the_mouse_gel_plays_the_favourite_if_there_is_one(tmp_path, chosen):
-    environment = {
-        **os.environ,
-        "RUNTIME_DIRECTORY": str(tmp_path / "run"),
-        "XDG_CONFIG_HOME": str(tmp_path / "config"),
-    }
     if chosen:
         own = tmp_path / "config/neurotouch/user.yaml"
         own.parent.mkdir(parents=True)
         own.write_text("version: 1\nslots: [push-only]\n")
-    done = subprocess.run(
-        [*PROGRAM, "demo", "--mouse", "--seconds", "0.5", "--show", "lines"],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=LIMIT_S,
+    done = run_neurotouch(
+        "demo", "--mouse", "--seconds", "0.5", "--show", "lines", env=make_environment(tmp_path)
     )
     assert ("push-only" if chosen else "spacecraft") in done.stderr + done.stdout
 

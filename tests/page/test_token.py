@@ -4,7 +4,6 @@ import json
 import os
 import socket
 import stat
-import subprocess
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -21,7 +20,7 @@ from neurotouch_hid.page.guard import (
     make_token,
 )
 from tests.page.connecting import enter, get
-from tests.page.processes import LIMIT_S, View
+from tests.processes import LIMIT_S, View, run_command
 
 
 @pytest.mark.parametrize(
@@ -118,12 +117,7 @@ with socket.create_connection(("127.0.0.1", int(sys.argv[1]))) as line:
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can be somebody else for a moment")
 def test_another_users_browser_gets_nothing_for_a_ticket(server):
     path = f"/open/{make_ticket(server.token)}/"
-    said = subprocess.run(
-        ["/usr/bin/python3", "-c", GET_AS_NOBODY, str(server.port), path],
-        capture_output=True,
-        text=True,
-        check=True,
-    ).stdout
+    said = run_command("/usr/bin/python3", "-c", GET_AS_NOBODY, server.port, path).stdout
     assert said.startswith("HTTP/1.1 403 ")
     assert server.token not in said
     assert get(server, path)[0] == 302

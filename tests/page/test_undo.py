@@ -10,8 +10,8 @@ from neurotouch_hid.profile.calibration import write_ranges
 from neurotouch_hid.profile.editing import take_user
 from neurotouch_hid.profile.schema.user import MovementRange
 from tests.page.conftest import PROFILE
-from tests.page.processes import View
 from tests.page.waiting import wait_for, wait_on
+from tests.processes import View
 
 WORDS = {
     "undo": "There is no change to undo.",

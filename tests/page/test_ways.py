@@ -4,22 +4,9 @@ The numbers are those of decision 047. Pages close before their server ends, so 
 `open_page` after the server.
 """
 
-import pytest
-
-from tests.page.processes import View
 from tests.page.waiting import wait_for, wait_on
 
 MOST_STEPS = 60  # of a search for one control: then it cannot be reached
-
-
-@pytest.fixture
-def alone(tmp_path):
-    """The page's server on a machine where nothing runs."""
-    profiles = tmp_path / "config/neurotouch/profiles"
-    profiles.mkdir(parents=True)
-    view = View(tmp_path, "--edit")
-    yield view
-    view.end()
 
 
 class Mouse:
@@ -74,15 +61,15 @@ class Keys:
         self.heard.append(focused[-1])
 
 
-def check_bound(alone, page) -> None:
+def check_bound(bare, page) -> None:
     wait_for(page, "saved", "It applies now.")
-    path = alone.folder / "config/neurotouch/profiles/spacecraft.yaml"
+    path = bare.folder / "config/neurotouch/profiles/spacecraft.yaml"
     assert "button: b" in path.read_text()
     wait_for(page, "driver-state", "Running")
 
 
-def test_three_clicks_and_a_movement_bind_it_with_the_mouse(alone, open_page):
-    page = open_page(alone.home)
+def test_three_clicks_and_a_movement_bind_it_with_the_mouse(bare, open_page):
+    page = open_page(bare.home)
     mouse = Mouse(page)
     mouse.click("#start-mouse")
     page.wait_for_selector("#gel:not([hidden])")
@@ -97,12 +84,12 @@ def test_three_clicks_and_a_movement_bind_it_with_the_mouse(alone, open_page):
     page.wait_for_selector("#chooser[open]")
     assert page.inner_text("#chooser-title") == "Push right does …"
     mouse.click("#outputs button:text-is('B')")
-    check_bound(alone, page)
+    check_bound(bare, page)
     assert mouse.count == 3
 
 
-def test_the_keyboard_alone_binds_a_movement_and_a_screen_reader_hears_each_step(alone, open_page):
-    page = open_page(alone.home)
+def test_the_keyboard_alone_binds_a_movement_and_a_screen_reader_hears_each_step(bare, open_page):
+    page = open_page(bare.home)
     page.wait_for_selector("#start-mouse:not([hidden])")
     keys = Keys(page)
     keys.go_to("#start-mouse")
@@ -120,7 +107,7 @@ def test_the_keyboard_alone_binds_a_movement_and_a_screen_reader_hears_each_step
     page.wait_for_selector("#chooser[open]")
     keys.go_to("#outputs button:nth-child(2)")
     keys.press("Enter")
-    check_bound(alone, page)
+    check_bound(bare, page)
     assert keys.heard == [
         ("button", "Try it without a camera"),
         ("link", "Fly the spacecraft"),
@@ -134,9 +121,9 @@ def test_the_keyboard_alone_binds_a_movement_and_a_screen_reader_hears_each_step
     assert keys.count == 26
 
 
-def test_one_switch_binds_a_movement_and_flies(alone, open_page):
+def test_one_switch_binds_a_movement_and_flies(bare, open_page):
     """A switch steps with Tab and chooses with Enter; no key is held, nothing is timed."""
-    page = open_page(alone.home)
+    page = open_page(bare.home)
     page.wait_for_selector("#start-mouse:not([hidden])")
     switch = Keys(page)
     switch.go_to("#start-mouse")
@@ -151,7 +138,7 @@ def test_one_switch_binds_a_movement_and_flies(alone, open_page):
     page.wait_for_selector("#chooser[open]")
     switch.go_to("#outputs button:nth-child(2)")
     switch.press("Enter")
-    check_bound(alone, page)
+    check_bound(bare, page)
     assert switch.count == 33
     switch.go_to("#fly")
     switch.press("Enter")
@@ -174,9 +161,9 @@ def test_one_switch_binds_a_movement_and_flies(alone, open_page):
     fly_one_ring(page, steer)
 
 
-def test_from_the_icon_to_push_only_playing_without_a_command(alone, open_page):
+def test_from_the_icon_to_push_only_playing_without_a_command(bare, open_page):
     """At most eight clicks, the one on the icon included."""
-    page = open_page(alone.home)
+    page = open_page(bare.home)
     mouse = Mouse(page)
     mouse.count = 1  # the icon
     page.wait_for_selector("#profile-choice option[value=push-only]", state="attached")
@@ -225,8 +212,8 @@ def press_keys(page, wanted: set[str], held: set[str]) -> None:
     held.update(wanted)
 
 
-def test_three_clicks_and_the_mouse_fly_the_first_ring(alone, open_page):
-    page = open_page(alone.home)
+def test_three_clicks_and_the_mouse_fly_the_first_ring(bare, open_page):
+    page = open_page(bare.home)
     page.click("#start-mouse")
     page.click("#fly")
     page.wait_for_selector("#gel-panel:not([hidden])")
@@ -248,9 +235,9 @@ def test_three_clicks_and_the_mouse_fly_the_first_ring(alone, open_page):
     fly_one_ring(page, steer)
 
 
-def test_the_keyboard_alone_flies_the_first_ring(alone, open_page):
+def test_the_keyboard_alone_flies_the_first_ring(bare, open_page):
     """Tab to the first button, Enter three times, then the arrow keys."""
-    page = open_page(alone.home)
+    page = open_page(bare.home)
     page.wait_for_selector("#start-mouse:not([hidden])")
     keys = Keys(page)
     keys.go_to("#start-mouse")
@@ -270,9 +257,9 @@ def test_the_keyboard_alone_flies_the_first_ring(alone, open_page):
     fly_one_ring(page, steer)
 
 
-def test_a_finger_on_a_phone_flies_the_first_ring(alone, open_page):
+def test_a_finger_on_a_phone_flies_the_first_ring(bare, open_page):
     phone = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
-    page = open_page(alone.home, **phone)
+    page = open_page(bare.home, **phone)
     page.tap("#start-mouse")
     page.tap("#fly")
     wait_for(page, "pilot", "the gel")

@@ -4,7 +4,7 @@ import time
 
 from playwright.sync_api import TimeoutError as TooLate
 
-from tests.page.processes import LIMIT_S
+from tests.processes import LIMIT_S
 
 
 def wait_on(page, happened) -> None:

@@ -2,11 +2,12 @@
 
 import os
 import signal
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from tests.processes import run_command
 
 ROOT = Path(__file__).parents[2]
 SWALLOWING = """
@@ -54,14 +55,12 @@ def python(tmp_path):
     def run(*arguments, ignores=False):
         before = signal.signal(signal.SIGINT, signal.SIG_IGN if ignores else signal.SIG_DFL)
         try:
-            return subprocess.run(
-                [sys.executable, *arguments],
+            return run_command(
+                sys.executable,
+                *arguments,
+                code=None,
                 cwd=tmp_path,
                 env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)])},
-                capture_output=True,
-                text=True,
-                timeout=300,
-                check=False,
             )
         finally:
             signal.signal(signal.SIGINT, before)

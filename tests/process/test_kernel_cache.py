@@ -23,6 +23,7 @@ from neurotouch_hid.process.own_command import make_own_command
 from neurotouch_hid.process.processor import find_levels, read_abilities
 from neurotouch_hid.process.source_stamp import stamp
 from neurotouch_hid.tracker.kernels.event_camera import add_events
+from tests.processes import run_command
 
 PACKAGE = Path(neurotouch_hid.__file__).parent
 COPIED = (
@@ -154,13 +155,13 @@ def call_aloud(package, prepare=None, **environment):
 
 def say(program, package, prepare=None, command=(), **environment):
     inherited = {k: v for k, v in os.environ.items() if not k.startswith("NUMBA")}
-    done = subprocess.run(
-        [*command, sys.executable, "-c", program],
+    done = run_command(
+        *command,
+        sys.executable,
+        "-c",
+        program,
         cwd=package.parent,
         env={**inherited, "PYTHONPATH": str(package.parent), **environment},
-        check=True,
-        capture_output=True,
-        text=True,
         preexec_fn=prepare,
     )
     return done.stdout.rstrip("\n")
@@ -445,15 +446,11 @@ def warm(tmp_path_factory):
 
 def play(chosen, prepare=None, **environment):
     words = "run --source sim:press --device memory --speed max --seconds 0.2 --show nothing"
-    done = subprocess.run(
-        make_own_command(*words.split()),
+    done = run_command(
+        *make_own_command(*words.split()),
         env={**os.environ, "NUMBA_CACHE_DIR": str(chosen), **environment},
-        check=False,
-        capture_output=True,
-        text=True,
         preexec_fn=prepare,
     )
-    assert done.returncode == 0, done.stderr
     assert "The pad is neutral." in done.stderr
     return done.stderr
 

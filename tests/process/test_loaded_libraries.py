@@ -3,12 +3,13 @@
 import ctypes
 import re
 import shutil
-import subprocess
 import sys
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+
+from tests.processes import run_command
 
 LOADED = """
 from pathlib import Path
@@ -52,9 +53,6 @@ def find_library(name: str) -> str | None:
 
 def test_nothing_of_a_folder_in_tmp_is_loaded_with_manifold3d(trap):
     assert list(trap.iterdir())
-    done = subprocess.run(
-        [sys.executable, "-c", LOADED], capture_output=True, text=True, timeout=120, check=False
-    )
-    assert done.returncode == 0, done.stderr
+    done = run_command(sys.executable, "-c", LOADED)
     assert "manifold3d" in done.stdout
     assert str(trap) not in done.stdout

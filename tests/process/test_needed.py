@@ -11,19 +11,15 @@ from pathlib import Path
 
 import neurotouch_hid
 from neurotouch_hid.process import own_command
+from tests.processes import run_command
 
 PACKAGE = Path(neurotouch_hid.__file__).parent
 
 
 def say(*command: str, cwd: Path | None = None, **environment: str) -> str:
     inherited = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA", "PYTHON"))}
-    done = subprocess.run(
-        command,
-        cwd=cwd,
-        env=inherited | {"PYTHONPATH": str(PACKAGE.parent)} | environment,
-        capture_output=True,
-        text=True,
-        check=True,
+    done = run_command(
+        *command, cwd=cwd, env=inherited | {"PYTHONPATH": str(PACKAGE.parent)} | environment
     )
     return done.stdout.strip()
 
@@ -113,13 +109,7 @@ def test_isolated_python_finds_no_package_beside_it(tmp_path):
     shutil.copy(own_command.__file__, package / "process/own_command.py")
     (package / "__main__.py").write_text("print('started')\n")
     isolated = (sys.executable, "-I", "-S")
-    plain = subprocess.run(
-        [*isolated, "-m", "neurotouch_hid"],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    plain = run_command(*isolated, "-m", "neurotouch_hid", code=None, cwd=tmp_path)
     assert "No module named neurotouch_hid" in plain.stderr, "own_command may go"
     launcher = (
         f"import subprocess, sys; sys.path.insert(0, {str(tmp_path)!r}); "

@@ -2,13 +2,13 @@
 
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 from neurotouch_hid.process.own_command import make_own_command
+from tests.processes import run_command
 
 ROOT = Path(__file__).parents[2]
 STARTS = re.compile(
@@ -51,22 +51,12 @@ def test_nothing_else_starts_a_python():
 
 
 def test_a_command_of_ours_runs_nothing_from_the_current_folder(hostile):
-    done = subprocess.run(
-        make_own_command("profile", "list", "--json"), capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
+    run_command(*make_own_command("profile", "list", "--json"))
     assert not (hostile / "ran").exists()
 
 
 def test_a_page_that_a_demo_starts_runs_nothing_from_the_current_folder(hostile):
-    done = subprocess.run(
-        make_own_command("view", "--edit", "--until-stdin-ends"),
-        input="",
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, done.stderr
+    done = run_command(*make_own_command("view", "--edit", "--until-stdin-ends"), input="")
     assert "http://" in done.stdout
     assert not (hostile / "ran").exists()
 
@@ -75,12 +65,8 @@ def test_a_pool_of_processes_runs_nothing_from_the_current_folder(hostile, tmp_p
     """Its own program is elsewhere, as an installed one is."""
     program = tmp_path_factory.mktemp("bin") / "program.py"
     program.write_text(IN_A_POOL)
-    done = subprocess.run(
-        [sys.executable, str(program)],
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        capture_output=True,
-        text=True,
-        check=False,
+    done = run_command(
+        sys.executable, program, code=None, env={**os.environ, "PYTHONPATH": str(ROOT)}
     )
     assert done.stdout == "4\nNone\n", done.stderr
     assert not (hostile / "ran").exists()

@@ -2,12 +2,12 @@
 
 import json
 import os
-import subprocess
 import sys
 
 import pytest
 
 from neurotouch_hid.process import realtime
+from tests.processes import run_command
 
 SCRIPT = """
 import ctypes, json, os, sys, threading, time
@@ -53,9 +53,7 @@ print(json.dumps(said))
 def test_the_line_is_preferred_while_it_plays_but_not_while_it_hangs(who, raised):
     nice = os.getpriority(os.PRIO_PROCESS, 0)
     patience_s = "60" if raised else "1.5"  # nobody will come back who never was preferred
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT, who, patience_s], capture_output=True, text=True, check=True
-    )
+    done = run_command(sys.executable, "-c", SCRIPT, who, patience_s)
     before, line, switch_us, camera, slack, older, *turns, after = json.loads(done.stdout)
     usual = [os.SCHED_OTHER, nice]
     raised_nice = -10 if raised else nice
@@ -73,9 +71,7 @@ def test_the_system_still_starts_us_among_the_usual():
 import ctypes, os, sys
 print(ctypes.CDLL(None).prctl(30, 0, 0, 0, 0), sys.getswitchinterval(), os.sched_getscheduler(0))
 """
-    told = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=True
-    )
+    told = run_command(sys.executable, "-c", program)
     slack_ns, switch_s, scheduler = told.stdout.split()
     assert int(slack_ns) > realtime.SLACK_NS
     assert float(switch_s) > realtime.SWITCH_S

@@ -1,9 +1,10 @@
 """Signals end the line or reload; each in a process of its own, handlers are never put back."""
 
-import subprocess
 import sys
 
 import pytest
+
+from tests.processes import run_command
 
 PROGRAM = """
 import os, signal
@@ -32,7 +33,7 @@ NOHUP = "signal.signal(signal.SIGHUP, signal.SIG_IGN)"
 )
 def test_signal(reload, before, names, said):
     code = PROGRAM.format(reload=reload, before=before, names=names)
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    done = run_command(sys.executable, "-c", code)
     assert done.stdout.strip() == said
 
 
@@ -53,7 +54,5 @@ print(stop.is_set())
 
 def test_a_signal_that_comes_while_another_is_obeyed_holds_nothing_up():
     """As at a logout, which sends two at once."""
-    done = subprocess.run(
-        [sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=True, timeout=60
-    )
+    done = run_command(sys.executable, "-c", INTERRUPTED)
     assert done.stdout.strip() == "True"

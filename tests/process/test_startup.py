@@ -1,17 +1,17 @@
 """Each trick is still needed: whoever sees one of these fail may delete the trick."""
 
-import subprocess
 import sys
+
+from tests.processes import run_command
 
 PREPARED = "from neurotouch_hid.process.startup import *; "
 
 
 def say(program, prefix=""):
-    done = subprocess.run(
-        [sys.executable, "-c", prefix + program],
-        capture_output=True,
-        text=True,
-        check=True,
+    done = run_command(
+        sys.executable,
+        "-c",
+        prefix + program,
         env={"PATH": "/usr/bin:/bin", "PYTHONPATH": ":".join(sys.path)},
     )
     return done.stdout.strip()
@@ -41,6 +41,19 @@ def test_a_started_driver_has_loaded_neither_asyncio_nor_opencv():
         "    print({'asyncio', 'ssl', 'cv2', 'evdev'} & {*sys.modules})"
     )
     assert say(program) == "{'evdev'}"
+
+
+def test_a_profile_compiles_its_model_and_those_of_no_part():
+    program = (
+        "from neurotouch_hid.profile import Mapping, load_profile\n"
+        "from neurotouch_hid.profile.schema import Strict\n"
+        "Mapping(load_profile('default'))\n"
+        "def find(model):\n"
+        "    for part in model.__subclasses__():\n"
+        "        yield part; yield from find(part)\n"
+        "print(*sorted(each.__name__ for each in find(Strict) if each.__pydantic_complete__))"
+    )
+    assert say(program) == "Profile UserSettings"
 
 
 def test_what_shares_out_an_evaluation_has_loaded_neither_driver_nor_simulator():

@@ -18,6 +18,7 @@ from neurotouch_hid.recording.video import ffmpeg, open_video
 from neurotouch_hid.recording.video.ebml import UNKNOWN_SIZE, Name, pack, pack_name, pack_number
 from neurotouch_hid.recording.video.matroska_output import make_cluster, make_head
 from neurotouch_hid.recording.video.riff import make_bitmap_head
+from tests.processes import run_command
 from tests.recording.clips import draw, write_clip
 
 MARK = Simulation("program 1", "sim:tour", "neurotouch record", 7)
@@ -167,9 +168,7 @@ def test_what_the_process_that_decodes_may_not_do(tmp_path, attempt, error):
         f"try:\n    {attempt}\nexcept {error}:\n    os.write(1, b'refused')\n"
     )
     with (tmp_path / "a").open("wb") as file:
-        done = subprocess.run(
-            make_own_python(code), stdin=file, capture_output=True, check=False, text=True
-        )
+        done = run_command(*make_own_python(code), code=None, stdin=file)
     assert done.stdout == "refused", done.stderr
 
 

@@ -6,6 +6,7 @@ import sys
 import pytest
 
 from neurotouch_hid.recording.video.ffmpeg_process import PICTURE_HEAD
+from tests.processes import run_command
 from tests.recording.clips import write_clip
 from tests.recording.test_clip import STAMPS_US, draw
 
@@ -40,5 +41,5 @@ except OSError as error:
     print(errno.errorcode[error.errno])
 """
     command = [sys.executable, "-c", code]
-    done = subprocess.run(command, capture_output=True, check=True, text=True)
+    done = run_command(*command)
     assert done.stdout == "EMFILE\n"

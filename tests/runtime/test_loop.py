@@ -16,6 +16,7 @@ from neurotouch_hid.messages import Button, GamepadState
 from neurotouch_hid.profile import load_profile
 from neurotouch_hid.runtime import Pipeline, run_pipeline
 from neurotouch_hid.runtime.stall_guard import FORGOTTEN_S, LIVE_STALL_S, STALL_S, StallGuard
+from tests.waiting import wait_until
 
 
 @pytest.fixture
@@ -69,9 +70,7 @@ def test_stalled_source_sends_neutral_while_it_is_silent(push, line):
     def stalling():
         yield from held(push)
         assert not device.states[-1].is_neutral
-        deadline = time.monotonic() + 60.0
-        while not device.states[-1].is_neutral and time.monotonic() < deadline:
-            time.sleep(0.01)
+        wait_until(lambda: device.states[-1].is_neutral)
         seen.append(device.states[-1])
 
     run_pipeline(stalling(), line, device)
@@ -88,9 +87,7 @@ def test_a_gesture_before_a_silence_counts_no_more_unless_it_is_recorded(
 
     def stalling():
         yield from held(push)
-        deadline = time.monotonic() + 60.0
-        while not device.states[-1].is_neutral and time.monotonic() < deadline:
-            time.sleep(0.01)
+        wait_until(lambda: device.states[-1].is_neutral)
         told.append(len(device.states))
         yield from (packet for packet in push.packets if 1_500_000 < packet.t_end_us <= 1_800_000)
 
@@ -134,9 +131,7 @@ def test_a_machine_that_slept_shows_neutral_before_anything_else_happens(clock):
         guard.feed()
         device.write(GamepadState(0, frozenset({Button.A})))
         clock.now_s += 3600.0
-        deadline = time.monotonic() + 60.0
-        while not device.states[-1].is_neutral and time.monotonic() < deadline:
-            time.sleep(0.001)
+        wait_until(lambda: device.states[-1].is_neutral)
     assert device.states[-1].is_neutral
 
 
@@ -159,9 +154,7 @@ def test_a_step_is_late_as_soon_as_its_time_is_over(clock):
         guard.feed()
         device.write(GamepadState(0, frozenset({Button.A})))
         clock.now_s += 2**-6
-        deadline = time.monotonic() + 60.0
-        while not device.states[-1].is_neutral and time.monotonic() < deadline:
-            time.sleep(0.001)
+        wait_until(lambda: device.states[-1].is_neutral)
         assert device.states[-1].is_neutral
     assert "stall guard" not in [thread.name for thread in threading.enumerate()]
 

@@ -1,6 +1,5 @@
 """A live line: frames are taken in after the pad was written, and seldom while nothing happens."""
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -16,13 +15,7 @@ from neurotouch_hid.source.partial import cut_partial
 from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.script import Finger, sequence
 from tests.tracker.test_markers import stroke
-
-
-def wait_for(condition):
-    deadline = time.monotonic() + 60.0
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.001)
+from tests.waiting import wait_until
 
 
 @pytest.fixture
@@ -43,7 +36,7 @@ def play_live(line, packet):
     looked_us = line._looked_us
     line.process_frames(step)
     if line._looked_us != looked_us:
-        wait_for(lambda: line.rest._results)
+        wait_until(lambda: line.rest._results)
     return step
 
 

@@ -1,13 +1,13 @@
 """Rest detection beside the line: same answers as in the line, and nobody waits."""
 
 import threading
-import time
 
 import numpy as np
 
 from neurotouch_hid.messages import EventPacket, Frame, GelProblem, RestField
 from neurotouch_hid.runtime.worker import InlineRest, ThreadedRest
 from neurotouch_hid.tracker import BlobFinder, RestDetector
+from tests.waiting import wait_until
 
 
 class SlowDetector(RestDetector):
@@ -23,13 +23,6 @@ class SlowDetector(RestDetector):
         self.seen.append(frame.t_us)
         answer = super().update(frame)
         return None if answer is None else RestField(frame.t_us, answer.position_px)
-
-
-def wait_for(condition) -> None:
-    deadline = time.monotonic() + 60
-    while not condition():
-        assert time.monotonic() < deadline, "the thread does not answer"
-        time.sleep(0.001)
 
 
 def look_beside() -> ThreadedRest:
@@ -49,7 +42,7 @@ def test_thread_answers_as_the_line_does(push):
             expected = inline.exchange(packet)
             answer = beside.exchange(packet)
             assert answer is None
-            wait_for(lambda: beside._results)
+            wait_until(lambda: beside._results)
             answer = beside.exchange(empty(packet))
             assert answer is not None
             assert answer.rest.t_us == expected.rest.t_us
@@ -70,13 +63,13 @@ def test_line_never_waits_and_the_newest_frame_wins(push):
     framed = [packet for packet in push.packets if packet.frames][:5]
     try:
         beside.exchange(framed[0])
-        wait_for(lambda: not beside._frames)  # the thread has taken it and hangs on it
+        wait_until(lambda: not beside._frames)  # the thread has taken it and hangs on it
         for packet in framed[1:]:
             assert beside.exchange(packet) is None  # returns although the detector hangs
         detector.go.release(2)
-        wait_for(lambda: len(detector.seen) == 2)
+        wait_until(lambda: len(detector.seen) == 2)
         assert detector.seen == [framed[0].frames[-1].t_us, framed[-1].frames[-1].t_us]
-        wait_for(lambda: beside._results)
+        wait_until(lambda: beside._results)
         assert beside.exchange(empty(framed[-1])) is not None
         assert beside.exchange(empty(framed[-1])) is None  # taken once
     finally:
@@ -91,7 +84,7 @@ def test_an_answer_never_comes_with_the_frame_that_it_is_to(push, monkeypatch):
 
     def wake_and_lose_the_core() -> None:
         wake()
-        wait_for(lambda: beside._results)
+        wait_until(lambda: beside._results)
 
     try:
         monkeypatch.setattr(beside._wake, "set", wake_and_lose_the_core)
@@ -110,10 +103,12 @@ def test_thread_draws_the_gel_from_events_alone(push):
             expected = inline.exchange(packet)
             searched = None if expected is None else expected.searched[1].copy()
             beside.exchange(packet)
-            wait_for(lambda: not beside._packets)  # as slow as a camera; a fast one loses the rest
+            wait_until(
+                lambda: not beside._packets
+            )  # as slow as a camera; a fast one loses the rest
             if expected is None:
                 continue
-            wait_for(lambda: beside._results)
+            wait_until(lambda: beside._results)
             answer = beside._results.pop()
             assert (answer.searched[0].pixels == expected.searched[0].pixels).all()
             assert (answer.searched[1].centroid_px == searched.centroid_px).all()

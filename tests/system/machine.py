@@ -1,12 +1,12 @@
 """Boots the image under QEMU; it runs ``start`` from a shared folder and powers off."""
 
-import os
 import subprocess
 import sysconfig
 import time
 from collections.abc import Callable
 from pathlib import Path
 
+from tests.kernel.machine import has_virtualisation
 from tests.system.image import KERNEL, RAMDISK, ROOT
 
 _CLOCK = ("-icount", "shift=0")
@@ -70,7 +70,7 @@ def boot(
     if port is not None:
         socket = f"socket,id=port,path={port},server=on,wait=off"
         parts += ("-device", "qemu-xhci", "-chardev", socket, "-device", "usb-redir,chardev=port")
-    if os.access("/dev/kvm", os.R_OK | os.W_OK):
+    if has_virtualisation():
         # Where nested virtualisation is broken, QEMU ends at once or hangs.
         _run((*_VIRTUAL, *parts), results, (_KVM_PATIENCE_S, time_limit_s), is_over)
     if not booted.exists():

@@ -26,8 +26,6 @@ PATIENCE_S = 120.0
 N_PLUGS = 4
 N_COUNTS = 20
 """In one of them the driver is not just reading a file to see whether a camera is back."""
-PACE = 0.1
-"""In slow motion: the scene must not be over before a slow guest has recovered from a fault."""
 QUIET_SLICES = 30
 SCENE = make_scene()
 CLAIM = 0x8004550F
@@ -37,6 +35,8 @@ FAULTS = [
     *("stall+9", "babble+9", "timeout+5x64", "suspend+9"),
 ]
 """Those at which the kernel has a part; the others need none (tests/source/davis)."""
+LOSING = ("unplug+9", "stall+9", "babble+9", "suspend+9")
+"""Those that lose a part of the stream."""
 
 
 class Plugged:
@@ -66,19 +66,25 @@ def open_source(serial: str = "", **options: Any) -> DavisSource:
     return DavisSource(serial, max_delay_us=60_000_000, **options)
 
 
-def play(source: DavisSource, is_over: Any) -> list[Any]:
-    """The packets until the scene is over and nothing of it is still on its way."""
-    packets: list[Any] = []
-    n_empty = 0
+def play(source: DavisSource, is_over: Any, packets: list[Any] | None = None) -> list[Any]:
+    """The packets until the scene is over and nothing of it is still on its way.
+
+    Args:
+        source: the camera.
+        is_over: says whether the scene is over.
+        packets: they are appended to this list, which the caller may read meanwhile.
+    """
+    packets = [] if packets is None else packets
+    n_quiet = 0
     deadline = time.monotonic() + PATIENCE_S
     for packet in source.poll():
+        over = is_over()
         if packet is not None:
             packets.append(packet)
-            n_empty = 0 if len(packet.events) else n_empty + 1
+            n_quiet = n_quiet + 1 if over and not len(packet.events) else 0
         if time.monotonic() > deadline:
             raise TimeoutError(f"{source.stats()}")
-        seen = n_empty < len(packets)
-        if is_over() and seen and n_empty >= QUIET_SLICES:
+        if QUIET_SLICES <= n_quiet < len(packets):
             return packets
     return packets
 
@@ -172,7 +178,16 @@ def suffer(results: Path) -> dict[str, Any]:
 
 def suffer_one(fault: str) -> dict[str, Any]:
     begun = time.monotonic()
-    plugged = [Plugged(emulate(SCENE, fault, pace=PACE))]
+    packets: list[Any] = []
+
+    def make_interrupted() -> Iterator[Any]:
+        """The end of the scene waits until the driver, however slow, has noticed the loss."""
+        yield from SCENE[:-5]
+        while fault in LOSING and not any(packet.gap for packet in packets):
+            yield None
+        yield from SCENE[-5:]
+
+    plugged = [Plugged(emulate(make_interrupted(), fault))]
     with Log() as log, open_source(wait=True) as source:
 
         def is_over() -> bool:
@@ -180,7 +195,7 @@ def suffer_one(fault: str) -> dict[str, Any]:
                 plugged.append(Plugged(emulate(SCENE)))
             return plugged[-1].camera.ended and source.stats().connected
 
-        packets = play(source, is_over)
+        play(source, is_over, packets)
         said = describe(packets, source)
     for each in plugged:
         each.cable.close()

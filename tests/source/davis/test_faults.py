@@ -21,7 +21,8 @@ from neurotouch_hid.driver.source_opening import describe_source
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.davis import DavisSource
 from tests.source.davis.cable import Cable, Clock, emulate
-from tests.source.davis.test_source import assert_sound, wait_for
+from tests.source.davis.test_source import assert_sound
+from tests.waiting import wait_until
 
 N_SLICES = 40
 LATE_SLICES = 10
@@ -270,8 +271,8 @@ def exchange(cable, serial):
     cable.plug(see(scene, [Fault.parse("unplug+9")], identity=Identity(serial="00000001")))
     source = open_cable(cable, serial)
     turns = source.poll()
-    wait_for(lambda: (next(turns), cable.camera)[1] is None)
-    wait_for(lambda: next(turns) is None)
+    wait_until(lambda: (next(turns), cable.camera)[1] is None)
+    wait_until(lambda: next(turns) is None)
     cable.plug(see(scene, identity=Identity(serial="00000002")))
     return source, turns
 
@@ -303,7 +304,7 @@ def weather(plugs):
     with open_cable(Storm(step=CLOCK.step), wait=True) as source:
         turns = source.poll()
         for n in plugs:
-            wait_for(lambda: (next(turns), source.stats().n_connects >= n)[1], PATIENCE_S)  # noqa: B023
+            wait_until(lambda: (next(turns), source.stats().n_connects >= n)[1], PATIENCE_S)  # noqa: B023
             gc.collect()
             left.append(count_what_is_there())
     return left
@@ -322,7 +323,7 @@ def test_another_camera_is_not_taken_for_the_chosen_one():
     with source:
         assert [next(turns) for _ in range(5)] == [None] * 5
         cable.plug(see(make_scene(), identity=Identity(serial="00000001")))
-        wait_for(lambda: next(turns) is not None)
+        wait_until(lambda: next(turns) is not None)
         assert source.stats().n_connects == 2
 
 

@@ -2,7 +2,6 @@
 
 import json
 import os
-import subprocess
 import sys
 
 import numpy as np
@@ -11,6 +10,7 @@ from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Fault
 from neurotouch_devtools.emulator.umockdev import PRELOAD
 
 from tests.emulator.stage import plug_in
+from tests.processes import run_command
 from tests.source.davis.player import fingerprint
 from tests.source.davis.test_faults import make_scene
 
@@ -27,13 +27,14 @@ def play(library, *faults, n_events=N_EVENTS):
     config = CameraConfig(await_reset=True, unpaced=True)
     camera = EmulatedCamera(SCENE, config, [Fault.parse(fault) for fault in faults])
     with plug_in(camera) as bed:
-        done = subprocess.run(
-            [sys.executable, "-m", "tests.source.davis.player", library, str(n_events)],
+        done = run_command(
+            sys.executable,
+            "-m",
+            "tests.source.davis.player",
+            library,
+            n_events,
+            code=None,
             env=bed.environment,
-            capture_output=True,
-            text=True,
-            timeout=300,
-            check=False,
         )
     assert done.returncode == 0, done.stderr
     return {**json.loads(done.stdout), "errors": done.stderr}
@@ -66,15 +67,13 @@ def test_play_goes_on_after_a_fault_and_says_that_something_is_missing(library, 
 def test_libusb_tells_at_once_that_a_camera_comes_or_goes():
     with plug_in(EmulatedCamera([])):  # or it is skipped
         pass
-    done = subprocess.run(
-        [sys.executable, "-m", "tests.source.davis.hotplug"],
+    done = run_command(
+        sys.executable,
+        "-m",
+        "tests.source.davis.hotplug",
         env={**os.environ, "LD_PRELOAD": PRELOAD},
-        capture_output=True,
-        text=True,
         timeout=900,
-        check=False,
     )
-    assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout) == ["heard"] * 6
 
 

@@ -3,15 +3,15 @@
 import contextlib
 import signal
 import subprocess
-import sys
 import time
 
 import pytest
 from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera
 
 from tests.emulator.stage import plug_in
+from tests.processes import start_neurotouch
 from tests.source.davis.test_faults import make_scene
-from tests.source.davis.test_source import wait_for
+from tests.waiting import wait_until
 
 pytestmark = pytest.mark.filterwarnings("ignore:DynamicImporter:ImportWarning")  # gi's own
 
@@ -29,13 +29,7 @@ def plugged():
 @contextlib.contextmanager
 def driver(cable):
     """The driver, killed in the end if it still runs."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "neurotouch_hid", *RUN],
-        env=cable.environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
+    process = start_neurotouch(*RUN, env=cable.environment, stderr=subprocess.STDOUT)
     try:
         yield process
     finally:
@@ -45,7 +39,7 @@ def driver(cable):
 
 def test_signals_end_it_and_switch_the_camera_off():
     with plugged() as (camera, cable), driver(cable) as process:
-        wait_for(lambda: camera.streaming, 180.0)
+        wait_until(lambda: camera.streaming, 180.0)
         process.send_signal(signal.SIGHUP)  # only loads the profile anew
         time.sleep(0.5)
         assert process.poll() is None

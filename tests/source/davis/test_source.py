@@ -25,22 +25,13 @@ from neurotouch_hid.source.davis.transport import StreamHaltedError
 from neurotouch_hid.source.davis.usb import Usb
 from tests.source.davis.camera import INFO, ScriptedCamera, gone, make_events
 from tests.source.davis.words import pack
+from tests.source.taking import take
+from tests.waiting import wait_until
 
 
 def open_camera(camera, *args, **options):
     """The driver with a scripted camera, which needs no time to settle."""
     return DavisSource(*args, cameras=camera, sleep_s=lambda _: None, **options)
-
-
-def take(source, n):
-    """The first n packets; the source stays open."""
-    packets, deadline = [], time.monotonic() + 60.0
-    for packet in source.poll():
-        assert time.monotonic() < deadline, source.stats()
-        packets += [packet] if packet is not None else []
-        if len(packets) == n:
-            return packets
-    raise AssertionError("the source has ended")
 
 
 def times(packets):
@@ -408,7 +399,7 @@ def test_without_a_choice_the_camera_that_played_is_preferred():
     with open_camera(camera) as source:
         camera.infos.insert(0, make_info(serial="00000001", address=4))
         polled = source.poll()
-        wait_for(lambda: (next(polled), source.stats().n_connects)[1] == 2)
+        wait_until(lambda: (next(polled), source.stats().n_connects)[1] == 2)
         assert source.stats().serial == INFO.serial
 
 
@@ -500,14 +491,14 @@ def test_while_it_is_away_the_loop_turns_and_can_be_ended(caplog):
     camera.at_reset.append([make_events(0, 21), camera.infos.clear, gone()])
     with open_camera(camera) as source:
         polled = source.poll()
-        wait_for(lambda: next(polled) is not None)
-        wait_for(lambda: "No camera" in source.stats().trouble)
+        wait_until(lambda: next(polled) is not None)
+        wait_until(lambda: "No camera" in source.stats().trouble)
         while next(polled) is not None:
             pass
         assert next(polled) is None
         assert not source.stats().connected
         camera.infos.append(INFO)
-        wait_for(lambda: source.stats().connected)
+        wait_until(lambda: source.stats().connected)
     assert list(polled) == []
     assert caplog.messages == [
         "The camera is gone. The gamepad works again as soon as the camera does.",
@@ -561,10 +552,10 @@ def test_a_camera_that_stays_broken_is_started_less_and_less_often(caplog, monke
         take(source, 1)
         pauses_s = [n * RETRY_S for n in camera.waits[1:10]]
         assert pauses_s == [0.5, 1, 2, 4, 8, 16, 30, 30, 30]
-        wait_for(lambda: len(caplog.messages) == 4)  # after it has played for a while
+        wait_until(lambda: len(caplog.messages) == 4)  # after it has played for a while
         assert caplog.messages == [FAILS_FIRST, PLAYS, FAILS_AGAIN, PLAYS]
         camera.script.append(CameraError("The camera's data makes no sense."))
-        wait_for(lambda: source.stats().n_connects == 11)
+        wait_until(lambda: source.stats().n_connects == 11)
         assert camera.waits[10] == 1  # this failure is the first one again
         assert caplog.messages[4:] == [FAILS_FIRST, PLAYS]
 
@@ -575,13 +566,6 @@ def test_a_broken_camera_that_is_replugged_is_started_at_once(caplog):
         take(source, 1)
     assert camera.waits[1:5] == [1, 2, 4, 3]
     assert caplog.messages == [FAILS_FIRST, PLAYS, FAILS_AGAIN, PLAYS]
-
-
-def wait_for(condition, patience_s=60.0):
-    deadline = time.monotonic() + patience_s
-    while not condition():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
 
 
 def test_a_source_that_waits_needs_no_camera_at_the_start():
@@ -690,7 +674,7 @@ def test_transfers_that_fail_leave_gaps_and_in_the_end_a_new_start():
     camera.at_reset.extend([[make_events(0, 5), b"", make_events(5, 11), fail], []])
     with open_camera(camera) as source:
         (packet,) = take(source, 1)
-        wait_for(lambda: source.stats().n_connects == 2)
+        wait_until(lambda: source.stats().n_connects == 2)
         assert source.stats().n_faults == MAX_FAULTS
     assert packet.gap == 1
     assert times([packet]) == [1000 * ms + 1 for ms in range(10)]
@@ -706,7 +690,7 @@ def test_what_the_camera_drops_is_a_gap():
     camera.at_reset.append([make_events(0, 15), overflow])
     with open_camera(camera) as source:
         first = take(source, 1)
-        wait_for(lambda: source.stats().n_dropped)
+        wait_until(lambda: source.stats().n_dropped)
         camera.script.append(make_events(15, 31))
         packets = first + take(source, 2)
     assert [packet.gap for packet in packets] == [0, 15, 0]
@@ -720,7 +704,7 @@ def test_a_count_that_is_not_answered_does_not_end_the_stream():
         first = take(source, 1)
         n = camera.n_requests
         camera.fail_at = {n + 1: CameraError("timed out"), n + 2: CameraError("timed out")}
-        wait_for(lambda: camera.n_requests >= n + 2 or camera.script.append(b"\x01\x70"))
+        wait_until(lambda: camera.n_requests >= n + 2 or camera.script.append(b"\x01\x70"))
         camera.script.append(make_events(15, 31))
         assert source.stats().n_connects == 1
     assert_sound(first)
@@ -760,9 +744,9 @@ def test_a_slow_consumer_loses_the_oldest_and_is_told_how_much():
     with open_camera(camera) as source:
         polled = source.poll()
         packets = [next(polled)]
-        wait_for(lambda: not (camera.script or camera.at_reset))
+        wait_until(lambda: not (camera.script or camera.at_reset))
         n_pumped = len(camera.rests)
-        wait_for(lambda: len(camera.rests) > n_pumped + 1)  # the last of it is through
+        wait_until(lambda: len(camera.rests) > n_pumped + 1)  # the last of it is through
         packets += [next(polled) for _ in range(11)]
     packets = [packet for packet in packets if packet is not None]
     assert len(packets) in (10, 11)  # the first one too, if it was there
@@ -816,7 +800,7 @@ def test_the_line_goes_neutral_when_the_camera_falls_silent_and_ends_on_demand(p
             threading.Thread(target=wait_and_stop).start()
 
     def wait_and_stop():
-        wait_for(lambda: device.states[-1].is_neutral and len(turned) > 150)
+        wait_until(lambda: device.states[-1].is_neutral and len(turned) > 150)
         seen.append(device.states[-1])
         stop.set()
 

@@ -21,19 +21,10 @@ from tests.source.events.fake_library import (
     magnify,
     make_events,
 )
+from tests.source.taking import take, take_until
+from tests.waiting import wait_until
 
 PATIENCE_S = 60.0
-
-
-def take(source, until):
-    """Packets until a condition of them holds."""
-    packets, deadline = [], time.monotonic() + PATIENCE_S
-    for packet in source.poll():
-        assert time.monotonic() < deadline, source.stats()
-        packets += [] if packet is None else [packet]
-        if until(packets):
-            return packets
-    raise AssertionError("the source has ended")
 
 
 def open_source(*cameras, name="", config=None, **options):
@@ -46,7 +37,7 @@ def test_events_come_in_slices_from_the_first_time_of_the_camera():
     camera.show(5_021_000, make_events([5_012_000], x=345, y=259))
     with open_source(camera) as source:
         assert source.name == "events:00ca0123"
-        packets = take(source, lambda got: len(got) == 2)
+        packets = take(source, 2)
     assert [(p.t_begin_us, p.t_end_us, p.gap) for p in packets] == [
         (0, 10_000, 0),
         (10_000, 20_000, 0),
@@ -97,7 +88,7 @@ def test_a_canonical_pixel_fires_once_for_all_the_pixels_that_it_stands_for():
     camera.show(100, make_events(times, xs, ys))
     camera.show(20_000, make_events(times + 200, xs, ys, on=False))
     with open_source(camera) as source:
-        (packet,) = take(source, lambda got: len(got) == 1)
+        (packet,) = take(source, 1)
         assert (source.stats().n_events, source.stats().n_shown) == (2 * n, 2)
     middle = (n + 1) // 2 - 1
     assert packet.events.tolist() == [(middle, 100, 120, True), (200 + middle, 100, 120, False)]
@@ -195,7 +186,7 @@ def test_what_is_lost_on_the_way_is_counted_and_said_in_the_next_slice():
     camera.show(30_000, make_events([21_000]), dropped_packets=3)
     camera.show(40_000, make_events([31_000]), dropped_packets=3)
     with open_source(camera) as source:
-        packets = take(source, lambda got: len(got) == 4)
+        packets = take(source, 4)
         assert source.stats().n_lost == 5
     assert [packet.gap for packet in packets] == [0, 2, 3, 0]
 
@@ -206,7 +197,7 @@ def test_old_data_is_thrown_away_and_counted():
     camera.show(20_000, make_events([11_000]))
     with open_source(camera) as source:
         device = camera.device
-        packets = take(source, lambda got: len(got) == 2)
+        packets = take(source, 2)
         assert source.stats().n_cleared == 1
     assert device.cleared == [1]
     assert packets[1].gap == 40
@@ -217,7 +208,7 @@ def test_a_little_backlog_is_kept():
     camera.show(20_000, make_events([0]), backlog=3)
     with open_source(camera) as source:
         device = camera.device
-        take(source, lambda got: len(got) == 1)
+        take(source, 1)
     assert device.cleared == []
 
 
@@ -225,7 +216,7 @@ def test_times_that_go_back_are_held_and_counted():
     camera = Camera("iniVation DAVIS 346")
     camera.show(20_000, make_events([500, 400, 600]))
     with open_source(camera) as source:
-        (packet,) = take(source, lambda got: len(got) == 1)
+        (packet,) = take(source, 1)
         assert source.stats().n_lost == 1
     assert packet.events["t"].tolist() == [0, 0, 100]
 
@@ -236,7 +227,7 @@ def test_a_camera_at_its_limit_is_said_once(caplog):
     for k in range(3):
         camera.show(4_000 * (k + 1), make_events(np.arange(4_000) + 4_000 * k))
     with open_source(camera, config=config) as source:
-        take(source, lambda got: len(got) == 1)
+        take(source, 1)
         assert source.stats().limited_us > 3_000
     assert caplog.text.count("has reached its limit of 1000000 events/s") == 1
 
@@ -247,7 +238,7 @@ def test_a_camera_whose_clock_jumps_is_started_again():
     camera.show(90_000_000, make_events([89_000_000]))
     camera.show(20_000, make_events([0]))
     with open_source(camera) as source:
-        packets = take(source, lambda got: len(got) >= 3 and got[-1].gap)
+        packets = take_until(source, lambda got: len(got) >= 3 and got[-1].gap)
         assert source.stats().n_restarts == 1
     assert packets[-1].t_end_us < 60_000_000
     assert camera.n_opened == 2
@@ -260,18 +251,15 @@ def test_a_camera_that_is_unplugged_and_back_plays_on_with_a_gap(caplog, monkeyp
     fake = Library(camera)
     camera.show(20_000, make_events([0]))
     with EventCameraSource(library=fake, plugged=fake.list_plugged) as source:
-        before = take(source, lambda got: len(got) == 1)
+        before = take(source, 1)
         fake.unplug(camera)
-        deadline = time.monotonic() + PATIENCE_S
-        while not source.trouble:
-            assert time.monotonic() < deadline
-            time.sleep(0.01)
+        wait_until(lambda: source.trouble)
         n_listed = fake.n_listed
         time.sleep(3.0 * RETRY_S)
         assert fake.n_listed <= n_listed + 1  # it stops all threads, so it is not asked in vain
         camera.show(20_000, make_events([3]))
         fake.plug(camera)
-        after = take(source, lambda got: len(got) >= 1 and got[-1].gap)
+        after = take_until(source, lambda got: len(got) >= 1 and got[-1].gap)
         assert source.trouble == ""
         assert source.stats().n_connects == 2
     assert after[-1].t_begin_us > before[-1].t_end_us
@@ -284,13 +272,10 @@ def test_another_camera_does_not_take_its_place(monkeypatch):
     fake = Library(camera)
     camera.show(20_000, make_events([0]))
     with EventCameraSource(library=fake, plugged=fake.list_plugged) as source:
-        take(source, lambda got: len(got) == 1)
+        take(source, 1)
         fake.unplug(camera)
         fake.plug(other)
-        deadline = time.monotonic() + PATIENCE_S
-        while "is not plugged in" not in source.trouble:
-            assert time.monotonic() < deadline, source.trouble
-            time.sleep(0.01)
+        wait_until(lambda: "is not plugged in" in source.trouble, lambda: source.trouble)
     assert other.n_opened == 0
 
 
@@ -329,7 +314,7 @@ def test_a_finer_sensor_gives_the_pipeline_the_events_of_a_davis(title, push):
     inside = np.isin(shown["x"] | shown["y"].astype(np.int32) << 16, list_places(camera.view))
     shown = shown[inside]
     with open_source(camera, max_delay_us=60_000_000) as source:
-        got = take(source, lambda got: len(got) == len(packets) - 1)
+        got = take_until(source, lambda got: len(got) == len(packets) - 1)
         assert source.stats().n_events == n_sent > 3 * len(shown)
     events = np.concatenate([packet.events for packet in got])
     order = ["t", "y", "x"]

@@ -22,6 +22,7 @@ from neurotouch_hid.source.video import v4l2
 from neurotouch_hid.source.video.config import VideoConfig
 from neurotouch_hid.source.video.live import VideoCameraSource
 from neurotouch_hid.tracker import GelFinder
+from tests.source.taking import take, take_until
 from tests.source.video.fake_camera import FakeCamera, FakeLinux
 from tests.source.video.gel_pictures import draw_gel, middle_rig
 
@@ -36,28 +37,6 @@ def no_waiting(monkeypatch):
 
 def open_video(linux, *args, **options):
     return VideoCameraSource(*args, linux=linux, **options)
-
-
-def take(source, n):
-    """The first n packets."""
-    packets, deadline = [], time.monotonic() + 60.0
-    for packet in source.poll():
-        assert time.monotonic() < deadline, source.stats()
-        packets += [packet] if packet is not None else []
-        if len(packets) >= n:
-            return packets
-    raise AssertionError("the source has ended")
-
-
-def play_until(source, condition):
-    """The packets until something is so."""
-    packets, deadline = [], time.monotonic() + 60.0
-    for packet in source.poll():
-        assert time.monotonic() < deadline, source.stats()
-        packets += [packet] if packet is not None else []
-        if condition():
-            return packets
-    raise AssertionError("the source has ended")
 
 
 def assert_sound(packets):
@@ -110,13 +89,13 @@ def test_a_camera_that_is_back_is_the_same_one_at_its_place_or_by_its_name(caplo
         first = take(source, 3)
         linux.unplug(0)
         linux.cameras[1] = other
-        play_until(source, lambda: source.trouble)
+        take_until(source, lambda _: source.trouble)
         assert source.trouble.endswith("is not plugged in.")
         time.sleep(0.1)
         assert other.n_mapped == 0
         fake.bus_info = "usb-0000:00:14.0-3"
         linux.cameras[2] = fake
-        after = play_until(source, lambda: source.stats().n_connects == 2 and not source.trouble)
+        after = take_until(source, lambda _: source.stats().n_connects == 2 and not source.trouble)
         after += take(source, 3)
         assert source.stats().info.bus_info == "usb-0000:00:14.0-3"
     new = [packet for packet in after if packet.gap]
@@ -133,13 +112,13 @@ def test_another_camera_of_the_same_model_never_takes_its_place():
     with open_video(linux, "usb-2") as source:
         take(source, 2)
         linux.unplug(0)
-        play_until(source, lambda: source.trouble)
+        take_until(source, lambda _: source.trouble)
         time.sleep(0.1)
         assert source.trouble == "The camera Rig is not plugged in."
         assert twin.n_mapped == 0
         ours.bus_info = "usb-4"
         linux.cameras[0] = ours
-        play_until(source, lambda: not source.trouble)
+        take_until(source, lambda _: not source.trouble)
         assert source.stats().info.bus_info == "usb-4"
 
 
@@ -149,10 +128,10 @@ def test_a_camera_that_stops_is_started_again(monkeypatch):
     with open_video(FakeLinux(fake)) as source:
         take(source, 3)
         fake.is_silent = True
-        play_until(source, lambda: source.trouble)
+        take_until(source, lambda _: source.trouble)
         assert source.trouble == "The camera UVC Camera sends no pictures."
         fake.is_silent = False
-        play_until(source, lambda: not source.trouble)
+        take_until(source, lambda _: not source.trouble)
         take(source, 3)
         assert source.stats().n_connects >= 2
 
@@ -163,7 +142,7 @@ def test_a_camera_that_sends_only_damaged_pictures_says_so(monkeypatch):
     with open_video(FakeLinux(fake)) as source:
         take(source, 3)
         fake.encode = lambda _: b"\xff\xd8 nothing \xff\xd9"
-        play_until(source, lambda: source.trouble)
+        take_until(source, lambda _: source.trouble)
         assert source.trouble == "The camera UVC Camera sends only damaged pictures."
         assert source.stats().n_damaged > 0
         assert source.n_lost >= source.stats().n_damaged
@@ -180,7 +159,7 @@ def test_play_goes_on_after_many_bad_buffers_in_a_row(n_bytes, flag):
 
     fake.lies[v4l2.DQBUF] = spoil
     with open_video(FakeLinux(fake)) as source:
-        packets = take(source, 3) + play_until(source, lambda: fake.n_sent > 40)
+        packets = take(source, 3) + take_until(source, lambda _: fake.n_sent > 40)
         assert (source.stats().n_connects, source.trouble) == (1, "")
         assert source.n_lost
     assert_sound(packets)
@@ -195,8 +174,8 @@ def test_a_camera_that_lies_about_its_rate_is_told_once_and_its_true_period_coun
     fake = FakeCamera(formats={"YUYV": {(320, 240): (125,)}})
     fake.fps = 20
     with open_video(FakeLinux(fake)) as source:
-        play_until(source, lambda: "pictures/s instead of 125" in caplog.text)
-        play_until(source, lambda: source.period_s > 0.04)
+        take_until(source, lambda _: "pictures/s instead of 125" in caplog.text)
+        take_until(source, lambda _: source.period_s > 0.04)
     assert caplog.text.count("instead of 125") == 1
 
 
@@ -206,9 +185,9 @@ def test_what_a_camera_lacks_is_told_once(caplog):
     with open_video(linux) as source:
         take(source, 1)
         linux.unplug(0)
-        play_until(source, lambda: source.trouble)
+        take_until(source, lambda _: source.trouble)
         linux.cameras[0] = fake
-        play_until(source, lambda: source.stats().n_connects == 2)
+        take_until(source, lambda _: source.stats().n_connects == 2)
     assert caplog.text.count("no fixed exposure") == 1
     assert len(source.stats().lacking) == 6
 
@@ -243,7 +222,7 @@ def test_a_camera_need_not_be_there_yet():
     linux = FakeLinux()
     with open_video(linux, "Rig", wait=True) as source:
         assert source.name == "video:Rig"
-        play_until(source, lambda: source.trouble)
+        take_until(source, lambda _: source.trouble)
         assert source.trouble == "No video camera is plugged in."
         linux.cameras[4] = FakeCamera("My Rig", "usb-2", FAST)
         take(source, 2)

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.source.video import v4l2
+from tests.processes import run_command
 
 CALLS = (
     *("QUERYCAP", "ENUM_FMT", "G_FMT", "S_FMT", "REQBUFS", "QUERYBUF", "QBUF", "DQBUF"),
@@ -63,7 +64,7 @@ def said(tmp_path_factory):
     )
     program = folder / "sizes"
     subprocess.run([compiler, "-o", program, folder / "sizes.c"], check=True)
-    done = subprocess.run([program], capture_output=True, text=True, check=True)
+    done = run_command(program)
     return {name: int(value) for name, value in map(str.split, done.stdout.splitlines())}
 
 

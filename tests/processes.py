@@ -1,4 +1,4 @@
-"""The driver and the page's server as processes of their own, with folders of their own."""
+"""Commands as processes of their own: those that end by themselves, driver and page."""
 
 import json
 import os
@@ -6,12 +6,42 @@ import re
 import socket
 import subprocess
 import sys
-import time
 from pathlib import Path
 from typing import Any
 
+from tests.waiting import LIMIT_S, wait_until
+
 PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
-LIMIT_S = 180.0
+
+
+def run_command(
+    *command: object, code: int | None = 0, **options: Any
+) -> subprocess.CompletedProcess[str]:
+    """Runs a command to its end, with this exit code unless it is None."""
+    settings = {"capture_output": True, "text": True, "timeout": LIMIT_S} | options
+    done = subprocess.run([*map(str, command)], check=False, **settings)
+    assert code in (None, done.returncode), done.stdout + done.stderr
+    return done
+
+
+def run_neurotouch(*arguments: object, **options: Any) -> subprocess.CompletedProcess[str]:
+    """Runs a command of ours to its end, see ``run_command``."""
+    return run_command(*PROGRAM, *arguments, **options)
+
+
+def start_neurotouch(*arguments: object, **options: Any) -> subprocess.Popen[str]:
+    """Starts a command of ours; what it says can be read."""
+    settings = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | options
+    return subprocess.Popen([*PROGRAM, *map(str, arguments)], **settings)
+
+
+def make_environment(folder: Path) -> dict[str, str]:
+    """The environment of somebody with folders of their own."""
+    return {
+        **os.environ,
+        "RUNTIME_DIRECTORY": str(folder / "run"),
+        "XDG_CONFIG_HOME": str(folder / "config"),
+    }
 
 
 class Process:
@@ -27,13 +57,8 @@ class Process:
     ) -> None:
         folder.mkdir(exist_ok=True)
         self.folder = folder
-        changed = {
-            "RUNTIME_DIRECTORY": str(folder / "run"),
-            "XDG_CONFIG_HOME": str(folder / "config"),
-            **variables,
-        }
-        kept = {name: value for name, value in os.environ.items() if name not in changed}
-        self.environment = kept | {name: value for name, value in changed.items() if value}
+        wanted = make_environment(folder) | variables
+        self.environment = {name: value for name, value in wanted.items() if value is not None}
         self._log = folder / f"{arguments[0] if arguments else 'program'}.txt"
         with self._log.open("w") as log:
             self.process = subprocess.Popen(
@@ -50,22 +75,17 @@ class Process:
         return self._log.read_text()
 
     def wait(self, happened) -> None:
-        deadline = time.monotonic() + LIMIT_S
-        while not happened():
+        """Waits until it has happened; the command must still run."""
+
+        def has_happened() -> bool:
             assert self.process.poll() is None, self.said
-            assert time.monotonic() < deadline, self.said
-            time.sleep(0.05)
+            return happened()
+
+        wait_until(has_happened, lambda: self.said)
 
     def call(self, *arguments: str) -> subprocess.CompletedProcess:
-        return subprocess.run(
-            [*PROGRAM, *arguments],
-            capture_output=True,
-            text=True,
-            check=False,
-            env=self.environment,
-            timeout=LIMIT_S,
-            stdin=subprocess.DEVNULL,
-        )
+        options = {"env": self.environment, "stdin": subprocess.DEVNULL}
+        return run_neurotouch(*arguments, code=None, **options)
 
     def end(self) -> None:
         self.process.terminate()
