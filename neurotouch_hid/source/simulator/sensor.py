@@ -15,6 +15,7 @@ from neurotouch_hid.source.simulator.kernels.optics import (
     Lamps,
     Picture,
     draw_markers,
+    read_frame,
     shine,
 )
 from neurotouch_hid.source.simulator.kernels.sensor import (
@@ -30,6 +31,7 @@ TICK_US = 500  # the picture is rendered at 2 kHz: a marker at 525 px/s moves 0.
 WINDOW_US = 20_000  # how often leaking pixels are looked for
 MAX_EVENTS = 1 << 19  # room for one call
 READ_PER_US = 12  # events that a DAVIS-346 can send
+ELECTRONS_PER_DN = 80.0  # photon noise grows with the root of the light: 255 DN are 20,000
 LINEAR_DN = 20.0  # below it the photoreceptor's response is linear (v2e's lin-log)
 _ONE = np.ones((2, 1), np.float32)
 USUAL_LIGHT = Lamps(False, np.ones(1), np.zeros(1), _ONE[0], _ONE)
@@ -65,9 +67,8 @@ class Sensor:
         counts = np.zeros(1, COUNTS_DTYPE)
         profile, profile_scale = marker_profile(config.blur_px, gel.dot_mm)
         self._chip = Chip(
-            Picture(canvas, np.zeros(n, np.int32), profile, profile_scale, counts),
+            Picture(canvas, *np.zeros((2, n), np.uint32), profile, profile_scale, counts),
             pixels,
-            active=np.zeros(n, np.int32),
             levels=levels,
             gains=gains,
             refractory_us=config.refractory_us,
@@ -79,8 +80,8 @@ class Sensor:
             events=np.zeros(MAX_EVENTS, EVENT_DTYPE),
             counts=counts,
         )
-        self._gain = rng.normal(1.0, config.gain_spread, n)
-        self._offset = rng.normal(0.0, config.offset_spread_dn, n)
+        spread = np.array([[config.gain_spread], [config.offset_spread_dn]])
+        self._pattern = rng.normal([[1.0], [0.0]], spread, (2, n))
         self._n_exposed = 0
 
     def settle(self, knot: NDArray[np.float64], lamps: Lamps) -> None:
@@ -164,21 +165,19 @@ class Sensor:
         return pick_events(events, np.sort(rng.choice(len(events), most, replace=False)))
 
     def _take_frame(self, end_us: int) -> Frame:
-        config = self._config
-        canvas = self._chip.picture.canvas
-        mean = canvas["base"] + canvas["exposed"] / self._n_exposed
-        canvas["exposed"] = 0.0
-        self._n_exposed = 0
-        noise = np.random.default_rng((self._seed, 2, end_us)).standard_normal(
-            len(mean), np.float32
+        config, rng = self._config, np.random.default_rng((self._seed, 2, end_us))
+        pixels = np.empty((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.uint8)
+        read_frame(
+            self._chip.picture.canvas,
+            self._n_exposed,
+            (config.read_noise_dn**2, ELECTRONS_PER_DN),
+            config.frame_gain,
+            self._pattern,
+            rng.standard_normal(pixels.size, np.float32),
+            pixels.ravel(),
         )
-        # Photon noise grows with the root of the light; 255 DN is about 20,000 electrons.
-        sigma = np.sqrt(config.read_noise_dn**2 + mean / 80.0)
-        mean = mean * config.frame_gain
-        pixels = mean * self._gain + self._offset + sigma * noise
-        shape = (SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX)
-        image = np.clip(np.rint(pixels), 0, 255).astype(np.uint8).reshape(shape)
-        return Frame(image, end_us - config.exposure_us, end_us)
+        self._n_exposed = 0
+        return Frame(pixels, end_us - config.exposure_us, end_us)
 
 
 def response_tables(cutoff_hz: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

@@ -18,10 +18,9 @@ from neurotouch_hid.source.simulator.kernels.optics import (
     shine,
 )
 from neurotouch_hid.source.simulator.optics import compute_light, marker_profile
-from neurotouch_hid.source.simulator.sensor import TICK_US, USUAL_LIGHT
+from neurotouch_hid.source.simulator.sensor import ELECTRONS_PER_DN, TICK_US, USUAL_LIGHT
 
 FULL_DN = 255.0
-ELECTRONS_PER_DN = 80.0  # photon noise: white is about 20,000 electrons
 SERVO = 0.15  # share of the way to the wanted brightness that auto exposure goes with each frame
 LEAST_GAIN, MOST_GAIN = 0.1, 16.0  # of auto exposure
 VIDEO_WIDTH_PX, VIDEO_HEIGHT_PX = 640, 480  # of a clip
@@ -61,7 +60,7 @@ class UvcSensor:
         canvas["light"] = white
         profile, scale = marker_profile(config.blur_px, gel.dot_mm)
         counts = np.zeros(1, COUNTS_DTYPE)
-        self._picture = Picture(canvas, np.zeros(n, np.int32), profile, scale, counts)
+        self._picture = Picture(canvas, *np.zeros((2, n), np.uint32), profile, scale, counts)
         rng = np.random.default_rng((seed, 1))
         shape = SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
         self._gain = rng.normal(1.0, config.gain_spread, shape)

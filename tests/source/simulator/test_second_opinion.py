@@ -31,8 +31,8 @@ def render():
     canvas = np.zeros(base.size, kernels.POINT_DTYPE)
     canvas["base"] = canvas["image"] = base.ravel()
     canvas["light"] = light.ravel()
-    touched, counts = np.zeros(base.size, np.int32), np.zeros(1, kernels.COUNTS_DTYPE)
-    picture = kernels.Picture(canvas, touched, *marker_profile(0.6), counts)
+    lists, counts = np.zeros((2, base.size), np.uint32), np.zeros(1, kernels.COUNTS_DTYPE)
+    picture = kernels.Picture(canvas, *lists, *marker_profile(0.6), counts)
     pictures = []
     for t in range(BEGIN_US, END_US, 1000):
         index, rest = divmod(t, KNOT_US)

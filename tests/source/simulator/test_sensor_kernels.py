@@ -37,11 +37,10 @@ def test_random_poisson_has_mean_and_variance_of_its_name():
 
 def make_chip(canvas, pixels, events, **more):
     """A chip for these arrays; all that matters to no test is empty."""
-    counts, nobody = np.zeros(1, optics.COUNTS_DTYPE), np.zeros(len(canvas), np.int32)
+    counts, lists = np.zeros(1, optics.COUNTS_DTYPE), np.zeros((2, len(canvas)), np.uint32)
     levels, gains = response_tables(300.0)
-    picture = optics.Picture(canvas, nobody.copy(), *marker_profile(0.6), counts)
+    picture = optics.Picture(canvas, *lists, *marker_profile(0.6), counts)
     usual = {
-        "active": nobody,
         "levels": levels,
         "gains": gains,
         "refractory_us": 500.0,
@@ -70,15 +69,36 @@ def test_draw_equals_its_twin(seed, u):
     canvas = np.zeros(N_PIXELS, optics.POINT_DTYPE)
     canvas["base"] = canvas["image"] = base.ravel()
     canvas["light"] = light.ravel()
-    touched, counts = np.zeros(N_PIXELS, np.int32), np.zeros(1, optics.COUNTS_DTYPE)
+    touched, active = np.zeros((2, N_PIXELS), np.uint32)
+    counts = np.zeros(1, optics.COUNTS_DTYPE)
     profile, profile_scale = marker_profile(0.6)
-    picture = optics.Picture(canvas, touched, profile, profile_scale, counts)
+    picture = optics.Picture(canvas, touched, active, profile, profile_scale, counts)
+    seen = set()
     for at in (0.0, u):  # the second picture must not show the first
         optics.draw_markers(knots, at, picture)
-    expected = reference.draw(knots, u, profile, profile_scale, base, light)
-    assert np.allclose(canvas["image"].reshape(260, 346), expected, atol=0.01)
-    shown = np.flatnonzero(np.abs(expected - base) > 0.01)
-    assert set(shown) <= set(touched[: counts["touched"][0]].tolist())
+        expected = reference.draw(knots, at, profile, profile_scale, base, light)
+        assert np.allclose(canvas["image"].reshape(260, 346), expected, atol=0.01)
+        drawn = set(touched[: counts["touched"][0]].tolist())
+        assert set(np.flatnonzero(np.abs(expected - base) > 0.01)) <= drawn
+        seen |= drawn
+        awake = active[: counts["active"][0]].tolist()
+        assert sorted(awake) == sorted(seen) == np.flatnonzero(canvas["is_active"]).tolist()
+
+
+def test_a_frame_is_read_as_its_twin_reads_it():
+    rng = np.random.default_rng(1)
+    canvas = np.zeros(5000, optics.POINT_DTYPE)
+    canvas["base"] = rng.uniform(0, 300, 5000)
+    canvas["exposed"] = rng.uniform(0, 90, 5000)
+    pattern = np.stack([rng.normal(1.0, 0.02, 5000), rng.normal(0.0, 2.0, 5000)])
+    noise = rng.standard_normal(5000, np.float32)
+    mean = canvas["base"] + canvas["exposed"] / 8
+    pixels = np.zeros(5000, np.uint8)
+    optics.read_frame(canvas, 8, (1.5, 80.0), 0.9, pattern, noise, pixels)
+    expected = 0.9 * mean * pattern[0] + pattern[1] + np.sqrt(1.5 + mean / 80.0) * noise
+    assert np.abs(pixels - np.clip(expected, 0.0, 255.0)).max() <= 0.51
+    assert {0, 255} <= set(pixels.tolist())
+    assert not canvas["exposed"].any()
 
 
 # Drawn, not searched for: the twin knows a crossing to 1 µs, so steps can be contrived that reach a
@@ -93,12 +113,12 @@ def test_sense_fires_as_a_pixel_followed_microsecond_by_microsecond(seed):
     images = np.repeat(steps, 12).astype(np.float32)
     start = float(np.interp(images[0] * kernels.LEVEL_SCALE, np.arange(len(levels)), levels))
     canvas, pixels = np.zeros(1, optics.POINT_DTYPE), np.zeros(1, kernels.PIXEL_DTYPE)
-    pixels[0] = (start, start, on, off, leak, True, -np.inf, 0.0)
+    pixels[0] = (start, start, on, off, leak, -np.inf, 0.0)
     twin = {name: float(pixels[name][0]) for name in ("signal", "reference", "on", "off", "leak")}
     chip = make_chip(canvas, pixels, np.zeros(2000, EVENT_DTYPE), refractory_us=float(dead_us))
     for tick, image in enumerate(images):
         canvas["image"] = image
-        chip.counts["active"] = pixels["is_active"][0] = 1
+        chip.counts["active"] = canvas["is_active"][0] = 1
         kernels.sense(tick * 500, 500, 20_000, chip)
     found = chip.events[: chip.counts["events"][0]]
     expected, trace = reference.fire_pixel(

@@ -17,12 +17,20 @@ SKIN = 0.2  # of the light that a white marker lets through, the dark gel lets t
 BRIGHTEST_DN = 298.0  # the photoreceptor's tables end at 300
 
 POINT_DTYPE = np.dtype(
-    [("base", "<f4"), ("light", "<f4"), ("image", "<f4"), ("exposed", "<f4"), ("is_touched", "?")],
+    [
+        ("base", "<f4"),
+        ("light", "<f4"),
+        ("image", "<f4"),
+        ("exposed", "<f4"),
+        ("is_touched", "?"),
+        ("is_active", "?"),
+    ],
     align=True,
 )
 """The picture at one pixel, in DN of an 8-bit frame: ``base`` without markers, ``light`` under a
 white marker, ``image`` now, ``exposed`` sum of ``image - base`` over the ticks of the exposure,
-``is_touched`` whether a marker is drawn here."""
+``is_touched`` whether a marker is drawn here, ``is_active`` whether the event pixel's signal may
+change."""
 
 COUNTS_DTYPE = np.dtype(
     [("touched", "<i8"), ("active", "<i8"), ("events", "<i8"), ("lost", "<i8")], align=True
@@ -36,14 +44,16 @@ class Picture(NamedTuple):
 
     Attributes:
         canvas: (260 * 346,) POINT_DTYPE.
-        touched: (260 * 346,) int32, the pixels where a marker is drawn.
+        touched: (260 * 346,) uint32, the pixels where a marker is drawn.
+        active: (260 * 346,) uint32, the pixels whose signal may change.
         profile: (m,) float32, brightness of a marker over its squared relative radius.
         profile_scale: entries of ``profile`` per unit of squared relative radius.
         counts: (1,) COUNTS_DTYPE.
     """
 
     canvas: Records
-    touched: NDArray[np.int32]
+    touched: NDArray[np.uint32]
+    active: NDArray[np.uint32]
     profile: Singles
     profile_scale: float
     counts: Records
@@ -57,6 +67,8 @@ def draw_markers(
 ) -> None:
     """Redraws all markers at share ``u`` of the way from the second to the third knot.
 
+    The pixels where a marker was or is become active.
+
     Args:
         knots: (4, n, 6) float64, four equally spaced moments: x, y px, the quadratic form (xx, xy,
             yy) of the marker's outline in 1/px², brightness: 1 is white, more a reflection that is
@@ -64,12 +76,18 @@ def draw_markers(
         u: 0..1.
         picture: updated.
     """
-    canvas, touched, profile = picture.canvas, picture.touched, picture.profile
-    profile_scale, counts = picture.profile_scale, picture.counts[0]
+    canvas, touched, active = picture.canvas, picture.touched, picture.active
+    profile, profile_scale, counts = picture.profile, picture.profile_scale, picture.counts[0]
+    n_active = counts["active"]
     for slot in range(counts["touched"]):
-        point = canvas[touched[slot]]
+        pixel = touched[slot]
+        point = canvas[pixel]
         point["image"] = point["base"]
         point["is_touched"] = False
+        if not point["is_active"]:
+            point["is_active"] = True
+            active[n_active] = pixel
+            n_active += 1
     n = 0
     u2, u3 = u * u, u * u * u
     w0, w1 = 0.5 * (-u3 + 2.0 * u2 - u), 0.5 * (3.0 * u3 - 5.0 * u2 + 2.0)
@@ -94,16 +112,20 @@ def draw_markers(
             for col in range(left, right + 1):
                 dx = col - x
                 q = (xx * dx * dx + 2.0 * xy * dx * dy + yy * dy * dy) * profile_scale
-                k = int(q)
-                if k >= last:
+                if q >= last:
                     continue
-                pixel = row * SENSOR_WIDTH_PX + col
+                k, pixel = np.uint32(q), np.uint32(row * SENSOR_WIDTH_PX + col)
                 point = canvas[pixel]
                 if not point["is_touched"]:
                     point["is_touched"] = True
                     touched[n] = pixel
                     n += 1
-                cover = gain * (profile[k] + (q - k) * (profile[k + 1] - profile[k]))
+                    if not point["is_active"]:
+                        point["is_active"] = True
+                        active[n_active] = pixel
+                        n_active += 1
+                step = profile[k + np.uint32(1)] - profile[k]
+                cover = gain * (profile[k] + (q - k) * step)
                 if gain < 0.0:
                     point["image"] = point["image"] * max(1.0 + cover, 0.0)
                     continue
@@ -111,7 +133,7 @@ def draw_markers(
                 point["image"] = min(
                     point["image"] + cover * (white - point["base"]), white * max(gain, 1.0)
                 )
-    counts["touched"] = n
+    counts["touched"], counts["active"] = n, n_active
 
 
 class Lamps(NamedTuple):
@@ -166,6 +188,38 @@ def expose_all(picture: Picture) -> None:
     for i in range(len(picture.canvas)):
         point = picture.canvas[i]
         point["exposed"] += point["image"] - point["base"]
+
+
+@kernel
+def read_frame(
+    canvas: Records,
+    n_exposed: int,
+    electrons: tuple[float, float],
+    frame_gain: float,
+    pattern: Floats,
+    noise: Singles,
+    out: NDArray[np.uint8],
+) -> None:
+    """Writes what the pixels read after an exposure, and begins the next one.
+
+    Args:
+        canvas: (n,) POINT_DTYPE; ``exposed`` is 0 afterwards.
+        n_exposed: ticks of the exposure.
+        electrons: variance of the noise in the dark in DN², and electrons of one DN.
+        frame_gain: of the whole picture.
+        pattern: (2, n) float64, gain and offset in DN of each pixel.
+        noise: (n,) float32, standard normal.
+        out: (n,) uint8, written.
+    """
+    ticks, gain = np.float32(n_exposed), np.float32(frame_gain)
+    dark, per_dn = np.float32(electrons[0]), np.float32(electrons[1])
+    for i in range(len(canvas)):
+        point = canvas[i]
+        mean = point["base"] + point["exposed"] / ticks
+        point["exposed"] = 0.0
+        sigma = np.sqrt(dark + mean / per_dn)
+        seen = (mean * gain) * pattern[0, i] + pattern[1, i] + sigma * noise[i]
+        out[i] = np.uint8(min(max(np.rint(seen), 0.0), 255.0))
 
 
 @kernel

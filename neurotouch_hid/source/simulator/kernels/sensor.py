@@ -31,7 +31,6 @@ PIXEL_DTYPE = np.dtype(
         ("on", "<f4"),
         ("off", "<f4"),
         ("leak", "<f4"),
-        ("is_active", "?"),
         ("free_us", "<f8"),
         ("seen_us", "<f8"),
     ],
@@ -39,8 +38,7 @@ PIXEL_DTYPE = np.dtype(
 )
 """One event pixel: ``signal`` log intensity behind the photoreceptor's low pass, ``reference`` at
 the last reset minus the leak up to ``seen_us``, thresholds ``on`` and ``off``, ``leak`` in log
-units per µs, ``is_active`` whether the signal may change, ``free_us`` end of the refractory
-period."""
+units per µs, ``free_us`` end of the refractory period."""
 
 
 class Chip(NamedTuple):
@@ -49,7 +47,6 @@ class Chip(NamedTuple):
     Attributes:
         picture: the picture on them.
         pixels: (260 * 346,) PIXEL_DTYPE.
-        active: (260 * 346,) int32, the pixels whose signal may change.
         levels: (m,) float32, lin-log of the intensity; index is DN times LEVEL_SCALE.
         gains: (m,) float32, share of the way to its input that the low pass goes in one tick.
         refractory_us: dead time of a pixel after an event.
@@ -64,7 +61,6 @@ class Chip(NamedTuple):
 
     picture: Picture
     pixels: Records
-    active: NDArray[np.int32]
     levels: Singles
     gains: Singles
     refractory_us: float
@@ -124,64 +120,65 @@ def random_poisson(mean: float, state: NDArray[np.uint64]) -> int:
 
 
 @kernel
-def wake_touched(chip: Chip) -> None:
-    """Makes the pixels active where a marker is drawn."""
-    pixels, active, touched, counts = chip.pixels, chip.active, chip.picture.touched, chip.counts[0]
-    n = counts["active"]
-    for slot in range(counts["touched"]):
-        pixel = pixels[touched[slot]]
-        if not pixel["is_active"]:
-            pixel["is_active"] = True
-            active[n] = touched[slot]
-            n += 1
-    counts["active"] = n
-
-
-@kernel
 def wake_all(chip: Chip) -> None:
     """Makes every pixel active."""
-    for i in range(len(chip.pixels)):
-        chip.pixels[i]["is_active"] = True
-        chip.active[i] = i
-    chip.counts[0]["active"] = len(chip.pixels)
+    canvas, active = chip.picture.canvas, chip.picture.active
+    for i in range(len(canvas)):
+        canvas[i]["is_active"] = True
+        active[i] = i
+    chip.counts[0]["active"] = len(canvas)
 
 
 @kernel
 def wake_leaking(end_us: float, chip: Chip) -> None:
     """Makes every pixel active whose leak alone fires it before ``end_us``."""
-    pixels, active, counts = chip.pixels, chip.active, chip.counts[0]
+    pixels, canvas, active, counts = (
+        chip.pixels,
+        chip.picture.canvas,
+        chip.picture.active,
+        chip.counts[0],
+    )
     n = counts["active"]
     for i in range(len(pixels)):
         pixel = pixels[i]
         distance = pixel["signal"] - pixel["reference"]
         distance += pixel["leak"] * (end_us - pixel["seen_us"])
-        if distance >= pixel["on"] and not pixel["is_active"]:
-            pixel["is_active"] = True
+        if distance >= pixel["on"] and not canvas[i]["is_active"]:
+            canvas[i]["is_active"] = True
             active[n] = i
             n += 1
     counts["active"] = n
 
 
 @kernel
-def _emit(t: float, i: int, polarity: bool, events: Records, counts: Records) -> None:
-    n = counts[0]["events"]
+def _emit(t: float, i: int, polarity: bool, events: Records, counts: np.void) -> None:
+    n = counts["events"]
     if n >= len(events):
-        counts[0]["lost"] += 1
+        counts["lost"] += 1
         return
     event = events[n]
     event["t"], event["x"], event["y"] = int(t), i % SENSOR_WIDTH_PX, i // SENSOR_WIDTH_PX
     event["p"] = polarity
-    counts[0]["events"] = n + 1
+    counts["events"] = n + 1
 
 
-@kernel(error_model="numpy", inline="always")
-def _fire(i: int, before: float, after: float, begin: float, end: float, chip: Chip) -> float:
+@kernel(error_model="numpy")
+def _fire(
+    i: int,
+    pixel: np.void,
+    before: float,
+    after: float,
+    begin: float,
+    end: float,
+    refractory_us: float,
+    events: Records,
+    counts: np.void,
+) -> float:
     """Lets pixel ``i`` fire in a tick in which its signal runs from ``before`` to ``after``.
 
     Returns:
         How far the signal is above the reference at the end.
     """
-    pixel = chip.pixels[i]
     on, off = float(pixel["on"]), float(pixel["off"])
     slope = (after - before) / (end - begin) + pixel["leak"]
     free, start = pixel["free_us"], begin
@@ -196,8 +193,8 @@ def _fire(i: int, before: float, after: float, begin: float, end: float, chip: C
             break
         wait = ((on if final > 0.0 else -off) - distance) / slope
         moment = start + wait if wait > 0.0 else start
-        _emit(min(moment, end - 1.0), i, final > 0.0, chip.events, chip.counts)
-        free = start = moment + chip.refractory_us
+        _emit(min(moment, end - 1.0), i, final > 0.0, events, counts)
+        free = start = moment + refractory_us
         distance = 0.0
     pixel["free_us"], pixel["reference"], pixel["seen_us"] = free, after - distance, end
     return distance
@@ -217,21 +214,23 @@ def sense(t_us: int, tick_us: int, rest_us: int, chip: Chip) -> None:
         rest_us: a pixel stays active if its leak can fire it within this time.
         chip: its picture is that at the end of the tick; updated, its new events not sorted.
     """
-    pixels, active, canvas, levels = chip.pixels, chip.active, chip.picture.canvas, chip.levels
+    pixels, active, canvas = chip.pixels, chip.picture.active, chip.picture.canvas
+    levels, gains, refractory_us = chip.levels, chip.gains, chip.refractory_us
+    events, counts = chip.events, chip.counts[0]
     begin, end = float(t_us), float(t_us + tick_us)
     n_kept = 0
-    for slot in range(chip.counts[0]["active"]):
+    for slot in range(counts["active"]):
         i = active[slot]
-        pixel = pixels[i]
-        place = canvas[i]["image"] * LEVEL_SCALE
-        k = int(place)
-        goal = levels[k] + (place - k) * (levels[k + 1] - levels[k])
+        pixel, point = pixels[i], canvas[i]
+        place = point["image"] * LEVEL_SCALE
+        k = np.uint32(place)
+        goal = levels[k] + (place - k) * (levels[k + np.uint32(1)] - levels[k])
         before = pixel["signal"]
-        after = before + chip.gains[k] * (goal - before)
+        after = before + gains[k] * (goal - before)
         pixel["signal"] = after
         distance = after - pixel["reference"] + pixel["leak"] * (end - pixel["seen_us"])
         if pixel["free_us"] >= begin or not -pixel["off"] < distance < pixel["on"]:
-            distance = _fire(i, before, after, begin, end, chip)
+            distance = _fire(i, pixel, before, after, begin, end, refractory_us, events, counts)
         if (
             abs(goal - after) > SETTLED
             or pixel["free_us"] >= end
@@ -240,8 +239,8 @@ def sense(t_us: int, tick_us: int, rest_us: int, chip: Chip) -> None:
             active[n_kept] = i
             n_kept += 1
         else:
-            pixel["is_active"] = False
-    chip.counts[0]["active"] = n_kept
+            point["is_active"] = False
+    counts["active"] = n_kept
 
 
 @kernel
@@ -267,7 +266,7 @@ def add_noise(t_us: int, tick_us: int, chip: Chip) -> None:
             i = int(hot[int(random_uniform(random) * len(hot))])
         pixel = pixels[i]
         if t >= pixel["free_us"]:
-            _emit(t, i, polarity, chip.events, chip.counts)
+            _emit(t, i, polarity, chip.events, chip.counts[0])
             pixel["free_us"] = t + chip.refractory_us
             pixel["reference"] = pixel["signal"]
             pixel["seen_us"] = float(t_us + tick_us)
@@ -316,9 +315,7 @@ def run_sensor(knots: Floats, stretch: Stretch, lamps: Lamps, chip: Chip) -> Non
         if begin % window_us == 0:
             wake_leaking(float(begin + window_us), chip)
         if stretch.moving or lamps.changes:
-            wake_touched(chip)
             draw_markers(knots, u, chip.picture)
-            wake_touched(chip)
         if lamps.changes:
             shine(chip.picture, lamps, place, u)
             wake_all(chip)
