@@ -5,11 +5,11 @@
 
 Four people make all gestures, as ``simulate --users 4 --elasticity both`` draws them, before a
 simulated webcam of 640x480 pixels. ``base`` is the scene of ``make room``: six gestures of 2.6 to
-9 mm on the gel of finite elements, with rests of 1.1 s; it has the paper's dots only. Each slice of
-10 ms is compared as ``evaluate`` does: with the label of the picture before it. ``at best`` is what
-a recogniser would reach that knew the truth of each slice from the moment on when a finger has gone
-0.3 mm along the gel: a touch that only presses is labelled, but nothing tells its type yet. ``from
-1 mm`` leaves out smaller gestures.
+9 mm on the gel of finite elements, with rests of 1.1 s. Each slice of 10 ms is compared as
+``evaluate`` does: with the label of the picture before it. ``at best`` is what a recogniser would
+reach that knew the truth of each slice from the moment on when a finger has gone 0.3 mm along the
+gel: a touch that only presses is labelled, but nothing tells its type yet. ``from 1 mm`` leaves out
+smaller gestures.
 """
 
 import sys
@@ -79,7 +79,7 @@ def simulate_all(model, seed, minutes, row):
     gel, nuisances = ROWS[row]
     if model == "base":
         told = tuple(f"{name}={strength:g}" for name, strength in nuisances.items())
-        yield simulate(Condition("", row, "base", told), seed)
+        yield simulate(Condition("", row, "base", told), seed, gel)
         return
     for recipe in plan_dataset(4, minutes, seed, ("half-space", "solid"), nuisances):
         if recipe.gel == model:

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.source.simulator import Script, Simulator, Stroke, sequence
 from neurotouch_hid.source.simulator.nuisances import read_nuisances
@@ -42,10 +43,10 @@ class Condition:
     nuisances: tuple[str, ...]
 
 
-def simulate(condition: Condition, seed: int) -> Simulator:
+def simulate(condition: Condition, seed: int, gel: Gel = PAPER_GEL) -> Simulator:
     """Returns the simulation of a condition: people, gestures and set-up come from the seed."""
     person, config = meet_person(PEOPLE + seed)
-    config = replace(config, gel=replace(config.gel, elasticity="solid"))
+    config = replace(config, gel=replace(config.gel, layout=gel, elasticity="solid"))
     n, gap_us, most_mm = SCENES[condition.scene]
     rng = np.random.default_rng((seed, 20))
     kinds = [GestureKind.PUSH, *list(GestureKind)[1:]]
