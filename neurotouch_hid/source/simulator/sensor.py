@@ -66,8 +66,9 @@ class Sensor:
         levels, gains = response_tables(config.cutoff_hz)
         counts = np.zeros(1, COUNTS_DTYPE)
         profile, profile_scale = marker_profile(config.blur_px, gel.dot_mm)
+        touched, active = np.zeros((2, n), np.uint32)
         self._chip = Chip(
-            Picture(canvas, *np.zeros((2, n), np.uint32), profile, profile_scale, counts),
+            Picture(canvas, touched, active, profile, profile_scale, counts),
             pixels,
             levels=levels,
             gains=gains,

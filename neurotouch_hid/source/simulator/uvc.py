@@ -60,7 +60,8 @@ class UvcSensor:
         canvas["light"] = white
         profile, scale = marker_profile(config.blur_px, gel.dot_mm)
         counts = np.zeros(1, COUNTS_DTYPE)
-        self._picture = Picture(canvas, *np.zeros((2, n), np.uint32), profile, scale, counts)
+        touched, active = np.zeros((2, n), np.uint32)
+        self._picture = Picture(canvas, touched, active, profile, scale, counts)
         rng = np.random.default_rng((seed, 1))
         shape = SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX
         self._gain = rng.normal(1.0, config.gain_spread, shape)

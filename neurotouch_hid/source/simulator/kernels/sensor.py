@@ -132,12 +132,8 @@ def wake_all(chip: Chip) -> None:
 @kernel
 def wake_leaking(end_us: float, chip: Chip) -> None:
     """Makes every pixel active whose leak alone fires it before ``end_us``."""
-    pixels, canvas, active, counts = (
-        chip.pixels,
-        chip.picture.canvas,
-        chip.picture.active,
-        chip.counts[0],
-    )
+    pixels, canvas, active = chip.pixels, chip.picture.canvas, chip.picture.active
+    counts = chip.counts[0]
     n = counts["active"]
     for i in range(len(pixels)):
         pixel = pixels[i]
