@@ -175,8 +175,12 @@ def explain_gel(gel: GelState) -> GelSentence:
     return GelSentence(head, why, fix)
 
 
-def require_gel(gel: GelState) -> None:
+def require_gel(gel: GelState, source: str = "this source") -> None:
     """Checks what is known of a gel at the end of a source.
+
+    Args:
+        gel: what is known.
+        source: what a person calls the source.
 
     Raises:
         GelNotFoundError: no frame has shown it.
@@ -184,7 +188,7 @@ def require_gel(gel: GelState) -> None:
     if not gel.was_found:
         sentence = explain_gel(gel)
         raise GelNotFoundError(
-            f"No gel was found in this source: {sentence.why}.", hint=sentence.fix or None
+            f"No gel was found in {source}: {sentence.why}.", hint=sentence.fix or None
         )
 
 

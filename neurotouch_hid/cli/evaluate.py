@@ -73,6 +73,7 @@ def command(
     """
     from neurotouch_hid.recording import check_labelled
 
+    files = tuple(dict.fromkeys(files))  # one that two patterns name counts once
     check_labelled(files)
     from neurotouch_hid.driver import REFERENCE
     from neurotouch_hid.evaluation.accuracy import (

@@ -2,6 +2,7 @@
 
 import csv
 import difflib
+import errno
 import io
 import re
 from collections.abc import Iterable, Iterator
@@ -35,6 +36,7 @@ COLUMNS = ("timestamp_us", "gesture", "intensity_mm", "contacts", *POINT_COLUMNS
 _KINDS = {kind.label: kind for kind in GestureKind}
 _INTEGER = re.compile(r"[-+]?[0-9]{1,19}")
 _NUMBER = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 _DECIMALS = 3  # a thousandth of a pixel or millimetre
 
 
@@ -127,7 +129,8 @@ def read_labels(path: Path | str, size_px: tuple[int, int] | None = None) -> lis
         raise _refuse_unlabelled(path) from error
     except OSError as error:
         reason = f"'{path}' cannot be read: {error.strerror}."
-        raise RecordingError(reason, hint=suggest_reading(error)) from error
+        again = "Save it again as CSV in UTF-8." if error.errno == errno.EILSEQ else None
+        raise RecordingError(reason, hint=suggest_reading(error, again)) from error
     except csv.Error as error:
         raise RecordingError(f"'{path}' is not a CSV file: {error}.") from error
     if not truths:
@@ -186,6 +189,10 @@ def _parse(path: Path, reader: "_csv.Reader", size_px: tuple[int, int]) -> Itera
 
 
 def _header_fault(header: list[str]) -> str:
+    if len(header) == 1:  # a spreadsheet of a country that writes 1,5 saves it so
+        for sign, name in _OTHER_SEPARATORS.items():
+            if sign in header[0]:
+                return f"the columns are separated by {name}, not by commas"
     missing = [name for name in COLUMNS if name not in header]
     unknown = [name for name in header if name not in COLUMNS]
     if missing:

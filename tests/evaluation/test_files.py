@@ -13,7 +13,7 @@ from neurotouch_hid.cli.evaluate import command
 from neurotouch_hid.driver import REFERENCE
 from neurotouch_hid.errors import GelNotFoundError, NeuroTouchError, RecordingError
 from neurotouch_hid.evaluation.accuracy import evaluate_files, files, format_table
-from neurotouch_hid.evaluation.accuracy.files import evaluate_file
+from neurotouch_hid.evaluation.accuracy.files import _read_labels, evaluate_file
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.recording import RecordingWriter, labels_path, write_labels
 from neurotouch_hid.source.simulator import Simulator
@@ -114,8 +114,21 @@ def test_a_recording_without_a_gel_is_refused(recordings, tmp_path):
     with RecordingWriter(path) as writer:
         writer.write(EventPacket(0, 400_000, events, frames))
     labels_path(path).write_bytes(labels_path(recordings[0]).read_bytes())
-    with pytest.raises(GelNotFoundError, match="No gel was found in this source"):
+    with pytest.raises(GelNotFoundError, match=r"No gel was found in '.*dark\.aedat4': "):
         evaluate_files([path], PAPER)
+
+
+def test_labels_in_another_time_are_refused(recordings, tmp_path):
+    path = tmp_path / "push.aedat4"
+    path.write_bytes(recordings[0].read_bytes())
+    truths = [replace(truth, t_us=truth.t_us + 10**15) for truth in _read_labels(recordings[0])]
+    write_labels(labels_path(path), truths)
+    with pytest.raises(RecordingError, match=r"push\.labels\.csv' labels no moment of") as caught:
+        evaluate_files([recordings[1], path], PAPER)
+    assert f"from {truths[0].t_us} to {truths[-1].t_us} µs, the recording is from" in str(
+        caught.value
+    )
+    assert "timestamp_us in µs" in caught.value.hint
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
@@ -133,7 +146,15 @@ def test_methods_side_by_side(recordings, tmp_path):
     methods = ["--method", "paper", "--method", "neurotouch", "--method", "paper"]
     result = CliRunner().invoke(
         command,
-        [str(recordings[0]), *methods, "--json", str(numbers), "--report", str(report)],
+        [
+            str(recordings[0]),
+            str(recordings[0]),
+            *methods,
+            "--json",
+            str(numbers),
+            "--report",
+            str(report),
+        ],
         catch_exceptions=False,
     )
     assert result.exit_code == 0

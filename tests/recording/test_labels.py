@@ -101,6 +101,8 @@ def test_wrong_rows(tmp_path, rows, words):
     [
         ("", "1: column timestamp_us is missing"),
         (HEADER.replace("contacts,", ""), "1: column contacts is missing"),
+        (HEADER.replace(",", ";"), "1: the columns are separated by semicolons, not by commas"),
+        (HEADER.replace(",", "\t"), "1: the columns are separated by tabs, not by commas"),
         (HEADER + ",note", "1: unknown column 'note'"),
         (HEADER.replace("gesture,intensity_mm", "intensity_mm,gesture"), "another order"),
     ],
@@ -116,5 +118,6 @@ def test_missing_and_not_text(tmp_path):
     with pytest.raises(RecordingError, match="There is no file"):
         read_labels(tmp_path / "a.labels.csv")
     (tmp_path / "b.labels.csv").write_bytes(b"\xff\xfe\x00" * 10)
-    with pytest.raises(RecordingError, match="is not UTF-8 text"):
+    with pytest.raises(RecordingError, match="is not UTF-8 text") as caught:
         read_labels(tmp_path / "b.labels.csv")
+    assert caught.value.hint == "Save it again as CSV in UTF-8."

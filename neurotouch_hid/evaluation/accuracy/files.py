@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from neurotouch_hid.driver import REFERENCE, DriverOptions
-from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.errors import NeuroTouchError, RecordingError
 from neurotouch_hid.evaluation.accuracy.comparison import Comparison, map_truth
 from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.label_track import LabelTrack
@@ -111,7 +111,8 @@ def evaluate_files(
         progress: called with each path when it is done.
 
     Raises:
-        RecordingError: a recording or its labels cannot be read; all labels are read first.
+        RecordingError: a recording or its labels cannot be read, or no label belongs to a moment
+            of it; all labels are read first.
         GelNotFoundError: no frame of a recording shows the gel.
         NeuroTouchError: a process was killed.
     """
@@ -162,15 +163,29 @@ def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
 
         comparison = Comparison(LabelTrack(labels))
         begun = time.perf_counter()
+        span_us: tuple[int, int] | None = None
         steps = ((step, find_view()) for step in driver.steps())
         while some := tuple(islice(steps, _STEPS_AT_ONCE)):
             for step, view in some:
                 comparison(step, view)
+            begin_us = some[0][0].packet.t_begin_us if span_us is None else span_us[0]
+            span_us = begin_us, some[-1][0].packet.t_end_us
         comparison.tally.host_s = time.perf_counter() - begun
-        require_gel(driver.pipeline.gel)
+        require_gel(driver.pipeline.gel, f"'{path}'")
+        if span_us is not None and not comparison.tally.confusion.any():
+            raise _refuse_times(path, labels, span_us)
         seen = [map_truth(label, find_view()) for label in labels]
     statistics = LabelStatistics.of(seen, comparison.rig, driver.gel)
     return Played(comparison.tally, comparison.worst.ranked(), statistics)
+
+
+def _refuse_times(path: Path, labels: list[Truth], span_us: tuple[int, int]) -> RecordingError:
+    first_us, last_us = labels[0].t_us, labels[-1].t_us
+    return RecordingError(
+        f"'{labels_path(path)}' labels no moment of '{path}': its labels are from {first_us} to "
+        f"{last_us} µs, the recording is from {span_us[0]} to {span_us[1]} µs.",
+        hint="Write timestamp_us in µs, in the time of this recording, in two rows at least.",
+    )
 
 
 def _read_labels(path: Path) -> list[Truth]:

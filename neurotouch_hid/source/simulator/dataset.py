@@ -279,9 +279,11 @@ def _record(
             yield min(t_us / recipe.duration_us, 0.999)
         write_gel(path, gel_file)
         dark_ms = recipe.nuisances.get("strobe")
+        strobed = b""  # a rig file of an older recording goes
         if dark_ms is not None:
             strobe = StrobeConfig(dark_us=round(1e3 * dark_ms))
-            write_beside(rig_path(path), f"{describe_strobe(strobe)}\n".encode())
+            strobed = f"{describe_strobe(strobe)}\n".encode()
+        write_beside(rig_path(path), strobed)
 
 
 def _write_recording(simulator: Simulator, path: Path, mark: Simulation) -> Iterator[int]:
@@ -320,11 +322,15 @@ def _refuse_others(
     for recipe, path in zip(recipes, paths, strict=True):
         made_from = finished.get(recipe.name)
         was_stopped = made_from is None and bool(finished)
-        if path.exists() and made_from != recipe.describe() and not was_stopped:
+        if was_stopped or made_from == recipe.describe():
+            continue
+        # A clip and a recording of one name share their labels.
+        there = next((each for each in (path, labels_path(path)) if each.exists()), None)
+        if there is not None:
             seed = made_from.get("seed") if isinstance(made_from, dict) else None
             what = "of unknown origin" if seed is None else f"of another set (seed {seed})"
             raise RecordingError(
-                f"'{path}' exists already, {what}; nothing was changed.",
+                f"'{there}' exists already, {what}; nothing was changed.",
                 hint="Choose another folder, or --force to replace it.",
             )
 

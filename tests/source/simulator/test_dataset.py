@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from neurotouch_hid.errors import RecordingError
-from neurotouch_hid.geometry import Rig
+from neurotouch_hid.geometry import PAPER_GEL, Rig
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.recording import Recording, labels_path, read_labels
 from neurotouch_hid.source.simulator import dataset
@@ -74,6 +74,24 @@ def test_another_set_is_never_replaced_unasked(small_set):
     with pytest.raises(RecordingError, match="of unknown origin"):
         dataset.write_dataset(folder, users=1, minutes=0.1, seed=2)
     (folder / "gone.json").rename(folder / dataset.MANIFEST)
+
+
+def test_clips_never_take_the_labels_of_recordings_unasked(small_set):
+    folder, paths, _ = small_set
+    before = labels_path(paths[0]).read_bytes()
+    with pytest.raises(RecordingError, match=r"push\.labels\.csv' exists already, of another set"):
+        dataset.write_dataset(folder, users=1, minutes=0.1, seed=2, nuisances={"uvc": 20.0})
+    assert labels_path(paths[0]).read_bytes() == before
+    assert not list(folder.glob("*.mkv"))
+
+
+def test_a_rig_file_of_a_replaced_recording_goes(tmp_path):
+    recipe = dataset.plan_dataset(1, 0.1, 2)[0]
+    path = tmp_path / "user1-push.aedat4"
+    rig = path.with_suffix(".rig.yaml")
+    rig.write_text("strobe: {hz: 20, dark_us: 1000}\n")
+    list(dataset._record(recipe, path, "", PAPER_GEL, b"", None))
+    assert not rig.exists()
 
 
 def test_a_folder_that_cannot_be_made_has_a_fix(tmp_path):
