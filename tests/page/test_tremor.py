@@ -36,6 +36,25 @@ def test_a_long_press_on_press_a_key_now_takes_no_key(play):
     assert driver.wait_for_request(page)["do_this"] == "key enter"
 
 
+def test_a_second_press_of_remove_does_not_remove_the_next_binding(play):
+    """Which has the key of the removed one then."""
+    page, driver = play("")
+    view = describe_profile(find_shipped_folder() / "default.yaml", edit=True)
+    bindings = view["layers"][0]["bindings"]
+    first, second = (
+        next(each for each in bindings if each["key"] == key) for key in ("pinch", "pinch#2")
+    )
+    driver.tell(about=view, outputs=list_outputs())
+    page.focus("[data-place^='pinch pinch remove']")
+    page.keyboard.press("Enter")
+    assert driver.wait_for_request(page) == {"do": "unbind", "key": "pinch"}
+    bindings.remove(first)
+    second["key"] = "pinch"
+    driver.tell(about=view)
+    wait_on(page, lambda: page.locator("[data-place^='pinch pinch#2']").count() == 0)
+    assert page.evaluate("document.activeElement.dataset.place") == "pinch add"
+
+
 def test_who_presses_pause_twice_is_paused(play):
     page, driver = play("live", clock=True)
     for press in (lambda: page.click(BUTTON), lambda: page.keyboard.press("p")):
