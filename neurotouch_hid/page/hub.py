@@ -259,9 +259,8 @@ class Hub:
                 case "hand":
                     self._steer(message if isinstance(message, bytes) else message.encode())
                 case "throughput":
-                    browser.tell(
-                        throughput=await asyncio.to_thread(_measure, request.get("trials"))
-                    )
+                    figures = await asyncio.to_thread(_measure, request.get("trials"))
+                    browser.tell(throughput=figures, n=n)
                 case verb:
                     reply = await self._requests.carry_out(request, self._path)
                     if verb in ("pause", "resume"):

@@ -12,7 +12,7 @@ import pytest
 
 from neurotouch_hid.partial_file import write_whole
 from tests.page.conftest import PROFILE
-from tests.page.waiting import wait_for, wait_on
+from tests.page.waiting import rest_hand, wait_for, wait_on
 from tests.processes import LIMIT_S, Driver, Process, View
 
 
@@ -374,6 +374,7 @@ def test_plus_and_minus_and_pause_do_without_dragging(open_page, view, driver, f
     page.wait_for_function(f"() => {state}.startsWith('Paused')")
     assert driver.status()["state"] == "paused"
     assert "neurotouch resume" not in page.inner_text("body")
+    rest_hand(page)
     page.keyboard.press("p")
     page.wait_for_function(f"() => {state} === 'Running'")
     assert driver.status()["state"] == "running"

@@ -5,7 +5,7 @@ import re
 import zipfile
 
 from tests.page.test_layout import check_rules
-from tests.page.waiting import wait_for
+from tests.page.waiting import refuse_connections, wait_for
 from tests.processes import Process
 
 
@@ -51,5 +51,28 @@ def test_score_of_a_gel_is_shown_while_it_changes(open_page, tmp_path):
         assert "FAILED" in score
         assert "dots again" in page.locator("#request").text_content()
         check_rules(page, "a score")
+    finally:
+        running.end()
+
+
+def test_a_lost_connection_is_told_once_and_not_each_second(open_page, tmp_path):
+    running, link = start(tmp_path, "gel", "check", "sim:rest,missing=12", "--live", "--page")
+    try:
+        page = open_page(link)
+        wait_for(page, "score", "intensity")
+        refuse_connections(page)
+        page.evaluate(
+            """() => {
+                window.told = [];
+                const live = document.getElementById("live");
+                new MutationObserver(() => window.told.push(live.textContent))
+                    .observe(live, { childList: true, characterData: true, subtree: true });
+            }"""
+        )
+        running.process.kill()
+        wait_for(page, "notice", "The connection is lost")
+        page.wait_for_timeout(4_000)
+        told = [each for each in page.evaluate("window.told") if "connection" in each]
+        assert len(told) == 1
     finally:
         running.end()

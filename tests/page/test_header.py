@@ -3,7 +3,7 @@
 import pytest
 
 from tests.page.played import PlayedDriver
-from tests.page.waiting import wait_for, wait_on
+from tests.page.waiting import rest_hand, wait_for, wait_on
 from tests.processes import View
 
 NAMES = ["", "live", "gel", "game", "sheet"]
@@ -48,6 +48,7 @@ def test_one_button_and_one_key_pause_and_resume(play, name):
     driver.show(state="paused")
     wait_for(page, "driver-state", "Paused: everything is released")
     assert button.count() == 0
+    rest_hand(page)
     page.get_by_role("button", name="Resume", exact=True).click()
     wait_until_asked(page, driver, "resume")
     driver.answer(saved="")
@@ -58,6 +59,7 @@ def test_one_button_and_one_key_pause_and_resume(play, name):
     driver.answer(saved="")
     driver.show(state="panic")
     wait_for(page, "driver-state", "Stopped by panic")
+    rest_hand(page)
     page.keyboard.press("p")
     wait_until_asked(page, driver, "resume")
 
@@ -85,6 +87,14 @@ def test_the_key_does_nothing_in_a_field_and_can_be_switched_off(play):
         assert not page.is_checked("#pause-key")
         page.click("#page-settings summary")
     assert driver.asked == []
+
+
+def test_the_key_pauses_on_a_keyboard_of_other_letters_too(play):
+    page, driver = play()
+    for key in ("ö", "з"):  # a Latin layout that has P elsewhere, and a Russian one
+        press = f"new KeyboardEvent('keydown', {{key: '{key}', code: 'KeyP', bubbles: true}})"
+        page.evaluate(f"document.body.dispatchEvent({press})")
+    wait_until_asked(page, driver, "pause")
 
 
 def test_the_button_says_why_it_does_nothing(play, open_page, alone, tmp_path):
@@ -115,8 +125,29 @@ def test_the_button_says_why_it_does_nothing(play, open_page, alone, tmp_path):
         looking.end()
 
 
+SILENT = {
+    "kind": "no_data",
+    "text": "The camera sends nothing.",
+    "next": "",
+    "mend": "",
+    "start": "",
+}
+
+
+def test_a_silent_server_does_not_mean_that_everything_is_released(play):
+    page, driver = play(clock=True)
+    page.clock.run_for(8_000)
+    wait_for(page, "driver-state", "Nothing arrives here: the driver may still play")
+    driver.tell(situation=SILENT)
+    page.wait_for_timeout(200)
+    page.clock.run_for(1_000)
+    wait_for(page, "driver-state", "No data: everything is released")
+
+
 def test_no_data_is_no_running(play):
     page, driver = play(clock=True)
+    driver.tell(situation=SILENT)
+    page.wait_for_timeout(200)
     page.clock.run_for(5_000)
     wait_for(page, "driver-state", "No data: everything is released")
     page.click(BUTTON)

@@ -13,7 +13,7 @@ from neurotouch_hid.page.output_choices import list_outputs
 from neurotouch_hid.page.profile_view import describe_profile
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from tests.page.conftest import PROFILE
-from tests.page.waiting import wait_for, wait_on
+from tests.page.waiting import rest_hand, wait_for, wait_on
 from tests.processes import LIMIT_S, Driver, View
 
 
@@ -284,6 +284,7 @@ def test_a_phone_is_let_in_and_out(view, open_page):
     phone = open_page(link, viewport={"width": 390, "height": 844}, has_touch=True)
     phone.locator("#pause-resume").tap()
     wait_for(page, "driver-state", "Paused")
+    rest_hand(phone)
     phone.locator("#pause-resume").tap()
     wait_for(page, "driver-state", "Running")
     phone.locator("#remote").tap()

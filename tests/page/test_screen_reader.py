@@ -7,7 +7,7 @@ Pages close before their server ends, so a test names `open_page` after the serv
 import pytest
 
 from tests.page.conftest import PROFILE
-from tests.page.waiting import wait_for, wait_on
+from tests.page.waiting import rest_hand, wait_for, wait_on
 
 LISTEN = """() => {
     window.heard = [];
@@ -113,6 +113,7 @@ def test_pause_says_its_state_and_its_button_changes_its_name(view, own, open_pa
     reader.wait_to_hear("Paused: everything is released.")
     wait_on(page, lambda: reader.focus() == ("button", "Resume"))
     reader.forget()
+    rest_hand(page)
     page.keyboard.press("p")
     reader.wait_to_hear("Running.")
     wait_on(page, lambda: reader.focus() == ("button", "Pause"))

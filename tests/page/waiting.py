@@ -15,6 +15,22 @@ def wait_on(page, happened) -> None:
         page.wait_for_timeout(50)
 
 
+def refuse_connections(page) -> None:
+    """Lets every further attempt of a page to connect fail."""
+    page.evaluate(
+        """() => {
+            window.WebSocket = class { constructor() { setTimeout(() =>
+                this.onclose({code: 1006, reason: ""})); } };
+            window.WebSocket.OPEN = 1;
+        }"""
+    )
+
+
+def rest_hand(page) -> None:
+    """Waits until Resume acts: right after Pause it would be a second press of a trembling hand."""
+    page.wait_for_timeout(600)
+
+
 def wait_for(page, element: str, words: str) -> None:
     """Waits until an element, by its id, says these words."""
     try:

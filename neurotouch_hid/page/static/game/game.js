@@ -203,8 +203,6 @@ addEventListener("keydown", (event) => {
     event.preventDefault(); // the button that gets the focus would take it too
     begin("flying");
   }
-  // A long press is one press: the next button has the focus already.
-  if (event.repeat && event.key === "Enter") event.preventDefault();
   if (event.key !== "Escape") return;
   if (mode === "flying" || mode === "watching") pause();
   else if (mode === "paused") show(paused);

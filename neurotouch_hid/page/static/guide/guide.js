@@ -93,6 +93,7 @@ function announce(now) {
 }
 
 function notice(sentence) {
+  if (sentence === part("notice").textContent) return; // a lost connection is told every second
   part("notice").textContent = sentence;
   part("notice").hidden = !sentence;
   if (sentence) speech.tell(sentence);

@@ -20,6 +20,7 @@ export function makeChooser(dialog, { bind, closed, isQuiet }) {
   const find = (id) => dialog.querySelector(`#${id}`);
   let groups = [];
   let movement = "";
+  let own = []; // the bindings that it may replace
 
   makePad(find("pad-picture"), { textContent: "" }, (part) => {
     const found = findPart(part);
@@ -101,7 +102,29 @@ export function makeChooser(dialog, { bind, closed, isQuiet }) {
     closed();
   });
 
+  function listOwn(layer) {
+    own = (layer ? layer.bindings : [])
+      .filter((each) => each.key !== null && belongs(each, movement));
+    find("instead-choice").replaceChildren(
+      ...own.map((each) => element("option", { value: each.key,
+        text: `${each.when}, ${nameOutput(groups, each.do)}` })),
+      element("option", { value: "", text: "nothing: keep both" }));
+  }
+
   return {
+    get isOpen() { return dialog.open; },
+    close: () => dialog.close(),
+    // The profile has been changed elsewhere. Returns false if the binding to replace is gone; the
+    // key of another one may be its former key.
+    refresh(layer) {
+      const { value } = find("instead-choice");
+      const before = own.find(({ key }) => key === value);
+      listOwn(layer);
+      const same = before && own.filter((each) => each.do === before.do).find((each) =>
+        each.key === value || each.when === before.when);
+      find("instead-choice").value = same ? same.key : "";
+      return Boolean(same) || !before;
+    },
     setOutputs(given) {
       const chosen = find("group-choice").value;
       groups = given;
@@ -115,12 +138,7 @@ export function makeChooser(dialog, { bind, closed, isQuiet }) {
       movement = which;
       find("chooser-title").textContent = `${MOVEMENTS[which][1]} does …`;
       find("press-choice").value = "";
-      const own = (layer ? layer.bindings : [])
-        .filter((each) => each.key !== null && belongs(each, which));
-      find("instead-choice").replaceChildren(
-        ...own.map((each) => element("option", { value: each.key,
-          text: `${each.when}, ${nameOutput(groups, each.do)}` })),
-        element("option", { value: "", text: "nothing: keep both" }));
+      listOwn(layer);
       if (instead !== undefined) find("instead-choice").value = instead;
       showGroup(groups.length ? groups[0].name : "");
       find("chooser-told").textContent = "";

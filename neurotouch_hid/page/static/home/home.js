@@ -46,10 +46,12 @@ let situation = null;
 let plugged = ""; // a camera that could play in place of a simulated gel
 let runs = false;
 let starting = "";
+let isLost = false; // there is no connection, so nothing is known
 let replaces = false; // a camera's driver takes the place of one with a simulated gel
 let begun = false; // this page started the driver
 let ended = false; // this page ends it
 let faults = []; // errors of a failed start
+let isKnown = false; // the outputs have come
 let layer = "";
 let doing = false; // a movement is waited for, or its output is chosen
 let fresh = false; // the driver is paused for it
@@ -57,6 +59,7 @@ let fresh = false; // the driver is paused for it
 const page = openPage(HZ, {
   places,
   hello(_, { edit, far }) {
+    isLost = false;
     page.send({ do: "profiles" });
     page.send({ do: "outputs" });
     for (const id of EDITS) find(id).disabled = !edit;
@@ -66,6 +69,7 @@ const page = openPage(HZ, {
     if (fresh) page.send(PAUSE); // the connection was lost, and the driver has gone on
   },
   state(state) {
+    isLost = false;
     if (replaces) return; // the last ones of the driver that ends
     const first = newest === null;
     newest = state;
@@ -80,6 +84,7 @@ const page = openPage(HZ, {
     if (!layer && state.layer) showLayer();
   },
   driver(is) {
+    isLost = false;
     runs = is;
     if (!is) {
       replaces = false;
@@ -99,15 +104,17 @@ const page = openPage(HZ, {
   },
   about(message) {
     const isFirst = about === null;
+    const isOther = about && message && about.profile !== message.profile;
     about = message;
+    if (chooser.isOpen && (isOther || !chooser.refresh(findLayer()))) giveUp();
     showUndo(Boolean(about && about.can_undo));
     showLayer();
     if (!isFirst) page.send({ do: "profiles" });
   },
   outputs(groups) {
     chooser.setOutputs(groups);
+    isKnown = true; // no button moves away from under the mouse
     showLayer();
-    find("cards").hidden = false; // all is known: no button moves away from under the mouse
   },
   profiles: (found) => profiles.show(found),
   shown: (found, { name }) => profiles.shown(found, name),
@@ -122,6 +129,7 @@ const page = openPage(HZ, {
     find("own-mend").hidden = !(fault && mayEdit);
   },
   lost: () => {
+    isLost = true;
     calibration.lose();
     showStart();
   },
@@ -134,7 +142,7 @@ const page = openPage(HZ, {
     if (!places.has(n)) return;
     refusal = places.get(n);
     find(refusal).classList.add("refused");
-    if (refusal === "range-said") calibration.reset();
+    if (refusal === "range-said" && !isLost) calibration.reset();
     if (refusal === "start-lines") [starting, replaces] = ["", false];
     (refusal === "start-lines" ? sayStart : (text) => say(refusal, text))(sentence);
     showStart();
@@ -184,7 +192,9 @@ function showStart() {
   const isSimulated = newest && newest.slow.simulated;
   const isGel = newest && newest.gel.found;
   let [words, advice] = [LOOKING, ""];
-  if (starting) {
+  if (isLost) {
+    words = "Not connected.";
+  } else if (starting) {
     words = "Starting …";
   } else if (newest && !isGel) {
     // The header has the reason.
@@ -202,8 +212,9 @@ function showStart() {
       situation.mend ? PASSWORD : situation.start === "webcam" ? WEBCAM : ADVICE[situation.kind]];
   }
   const before = find("situation").textContent;
-  if (before !== words && newest) page.say(words);
-  else if (before !== words && situation && !starting && before !== LOOKING) page.tell(words);
+  const isNews = before !== words && !isLost; // that the connection is lost, the header says
+  if (isNews && newest) page.say(words);
+  else if (isNews && situation && !starting && before !== LOOKING) page.tell(words);
   say("situation", words);
   say("advice", advice);
   const isIdle = !newest && !starting && situation !== null;
@@ -365,6 +376,12 @@ document.addEventListener("keydown", (event) => {
   if (event.key === "Escape" && listener.waits) stopListening();
 });
 
+// What was about to be bound, or the binding to be changed, is not the one that was shown.
+function giveUp() {
+  chooser.close();
+  say("saved", "The profile has changed meanwhile, so nothing was saved. Begin again.");
+}
+
 function stopListening() {
   listener.stop();
   say("saved", "");
@@ -387,7 +404,8 @@ function findLayer() {
 }
 
 function showLayer() {
-  const { layers = [], edit } = findShown();
+  const { layers = [], edit, fault } = findShown();
+  find("cards").hidden = !isKnown || Boolean(fault); // of a broken profile nothing is known
   if (!layers.some((each) => each.name === layer)) layer = layers.length ? layers[0].name : "";
   find("layer-choice").replaceChildren(...layers.map(({ name }) =>
     element("option", { value: name, text: name })));

@@ -63,7 +63,7 @@ export function makeCards(list, { choose, remove, name: nameOutput }) {
     const change = element("button", { type: "button", text: "Change",
       "aria-label": `Change ${what}`, "data-place": `${movement} ${binding.key}` });
     const away = element("button", { type: "button", text: "Remove",
-      "aria-label": `Remove ${what}`, "data-place": `${movement} ${binding.key} remove` });
+      "aria-label": `Remove ${what}`, "data-place": `${movement} ${binding.key} remove ${what}` });
     change.addEventListener("click", () => choose(movement, binding.key));
     away.addEventListener("click", () => remove(binding));
     return [change, away];

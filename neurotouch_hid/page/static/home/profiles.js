@@ -46,7 +46,7 @@ export function makeProfiles(find, { say, look, changed }) {
     const row = rows.find(({ name }) => name === select.value);
     say("profile-about", row ? row.about : "");
     const now = plays ? `${active} plays now.` : `The next start plays ${active}.`;
-    say("plays", !active ? "" : chosen
+    say("plays", !active ? "" : chosen && !(row && row.broken)
       ? `Below is what ${chosen} does, to look at. ${now} 'Play with it' changes that.` : now);
     const sheet = find("sheet");
     sheet.hash = sheet.hash.replace(/(&profile=[\w-]*)?$/, select.value ? `&profile=${select.value}` : "");

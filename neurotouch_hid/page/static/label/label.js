@@ -67,6 +67,7 @@ const timeline = makeTimeline({
 });
 
 function notice(sentence) {
+  if (sentence === part("notice").textContent) return; // a lost connection is told every second
   part("notice").textContent = sentence;
   part("notice").hidden = !sentence;
   speech.tell(sentence);

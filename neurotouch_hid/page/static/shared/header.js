@@ -20,13 +20,16 @@ const STATES = {
   paused: "Paused: everything is released",
   panic: "Stopped by panic: everything is released",
   silent: "No data: everything is released",
+  unheard: "Nothing arrives here: the driver may still play",
   none: "No driver is running",
   lost: "Not connected",
 };
 const PAUSE_KEY = "p";
 const KEY_CHOICE = "neurotouch-pause-key";
+const TWICE_MS = 500; // a trembling hand presses twice: the second press does not resume
 const SILENT_MS = 3000; // a busy machine may be late by a second
-const NOTICES = ["connection", "driver", "profile", "request", "own"]; // the first one that applies shows
+const UNHEARD_MS = 6000; // the server says sooner whether the driver is silent
+const NOTICES = ["request", "connection", "driver", "profile", "own"]; // the first one that applies shows
 
 // Builds the header and connects. `handlers` are those of `connect`. Returns the page's
 // functions to the server (`ask`, `send`), `say` and `tell` of its speech, and `notice(about,
@@ -40,8 +43,10 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
   let driver = "waiting"; // the driver's last state
   let runs = false;
   let asked = 0; // the number of the last Pause or Resume
+  let pressed = -Infinity; // when Pause or Resume was pressed last
   let mayPause = true;
   let heard = performance.now();
+  let isSilent = false; // the driver sends nothing, as the server says
   let profile = null;
   let layer = null;
   let gel = null; // what is wrong with it, in a word
@@ -78,8 +83,14 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
   const isDisabled = () => !mayPause || !hasDriver();
 
   function pauseOrResume() {
-    if (isDisabled()) speech.tell(parts.reason.textContent || `${STATES[shown]}.`);
-    else asked = wire.ask({ do: resumes() ? "resume" : "pause" });
+    if (isDisabled()) {
+      speech.tell(parts.reason.textContent || `${STATES[shown]}.`);
+      return;
+    }
+    const isTwice = performance.now() - pressed < TWICE_MS;
+    pressed = performance.now();
+    if (!resumes()) asked = wire.ask({ do: "pause" });
+    else if (!isTwice) asked = wire.ask({ do: "resume" });
   }
 
   function showWhat({ slow, profile: name, layer: of }) {
@@ -124,7 +135,7 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
       showState();
     },
     state(state) {
-      runs = true;
+      [runs, isSilent] = [true, false];
       heard = performance.now();
       if (state.state !== driver) {
         driver = state.state;
@@ -135,7 +146,7 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
       showGel(state.gel);
     },
     driver(is) {
-      runs = is;
+      [runs, isSilent] = [is, false];
       heard = performance.now();
       if (!runs) {
         driver = "waiting";
@@ -148,6 +159,11 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
         show("waiting");
       }
     },
+    situation: () => { isSilent = runs; },
+    about(message) {
+      const { fault } = message || {};
+      notice("profile", fault ? `The profile cannot be shown: ${fault}` : "");
+    },
     // The refusal of an older request is obsolete. Only an answer that waits for data is shown.
     saved: (sentence, { n }) => notice("request", n === asked ? sentence : ""),
     // A page may have a place for it, beside the button that was pressed.
@@ -155,6 +171,7 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
       if (!handlers.places?.has(n)) notice("request", sentence);
     },
     lost(sentence) {
+      if (shown !== "lost") notice("request", ""); // it is told again with each attempt to connect
       show("lost");
       forgetWhat();
       notice("connection", sentence);
@@ -163,8 +180,8 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
 
   wire = connect(hz, [own, handlers]);
   setInterval(() => {
-    const late = performance.now() - heard > SILENT_MS;
-    if (late && runs && shown !== "lost") show("silent");
+    const late = performance.now() - heard > (isSilent ? SILENT_MS : UNHEARD_MS);
+    if (late && runs && shown !== "lost") show(isSilent ? "silent" : "unheard");
   }, 500);
 
   parts.button.addEventListener("click", pauseOrResume);
@@ -227,10 +244,16 @@ function listenToKey({ button, hint, key }, act) {
   show();
   addEventListener("keydown", (event) => {
     if (!key.checked || event.repeat || event.ctrlKey || event.altKey || event.metaKey) return;
-    if (event.key.toLowerCase() !== PAUSE_KEY || isTyping(event.target)) return;
+    if (!isPauseKey(event) || isTyping(event.target)) return;
     event.preventDefault();
     act();
   }, { capture: true });
+}
+
+// A Greek or Cyrillic keyboard writes another letter with this key.
+function isPauseKey({ key, code }) {
+  return key.toLowerCase() === PAUSE_KEY
+    || (code === "KeyP" && /^\p{L}$/u.test(key) && !/\p{Script=Latin}/u.test(key));
 }
 
 const NO_TYPING = ["button", "checkbox", "color", "file", "image", "radio", "range", "reset",

@@ -4,6 +4,9 @@ const KEY = "neurotouch-token";
 const AGAIN_MS = 1000;
 const MOST_MARKERS = 400;
 const OPEN_AGAIN = "Open NeuroTouch again, or the whole link that the terminal shows.";
+const NOT_SENT = "Not connected, so nothing was changed. Try again once the connection is back.";
+const NO_ANSWER = "The connection was lost before the answer. Look whether it was done.";
+const SETTINGS = ["about", "own"]; // what a person changes on the pages
 const decoder = new TextDecoder();
 
 // The token arrives in the fragment, which browsers send to no server and in no referrer. It moves
@@ -39,6 +42,8 @@ export function connect(hz, listeners) {
   let socket = null;
   let ended = false;
   let asked = 0;
+  const kept = new Map(); // the newest settings, as they came
+  const unanswered = new Set(); // numbers of requests
 
   function call(name, ...values) {
     for (const listener of listeners) if (listener[name]) listener[name](...values);
@@ -55,6 +60,8 @@ export function connect(hz, listeners) {
         return call("lost", "The driver is of another version than this page: start it again.");
       }
       const message = JSON.parse(data);
+      unanswered.delete(message.n);
+      for (const name of SETTINGS) if (name in message) kept.set(name, data);
       for (const [name, value] of Object.entries(message)) call(name, value, message);
     };
     socket.onclose = ({ code, reason }) => {
@@ -66,6 +73,8 @@ export function connect(hz, listeners) {
       } else {
         call("lost", "The connection is lost. If it stays so, open NeuroTouch again.");
       }
+      for (const n of unanswered) call("refused", NO_ANSWER, { n });
+      unanswered.clear();
       if (!ended) setTimeout(open, AGAIN_MS);
     };
   }
@@ -77,19 +86,38 @@ export function connect(hz, listeners) {
     queueMicrotask(() => call("lost", `A part of this page's link is missing. ${OPEN_AGAIN}`));
   }
   keepToken(token);
+  takeLongPresses();
   function send(message) {
-    if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message));
+    const isOpen = socket !== null && socket.readyState === WebSocket.OPEN;
+    if (isOpen) socket.send(JSON.stringify(message));
+    return isOpen;
+  }
+  // What the server does with a refused request: says so, and what is changed on the page goes back.
+  function refuse(n) {
+    call("refused", NOT_SENT, { n });
+    for (const [name, data] of kept) call(name, JSON.parse(data)[name], { [name]: true });
   }
   return {
     send,
     ask(message) {
-      send({ ...message, n: ++asked });
-      return asked;
+      const n = ++asked;
+      if (send({ ...message, n })) unanswered.add(n);
+      else queueMicrotask(() => refuse(n));
+      return n;
     },
     end() { // what the server showed last stays; it is not looked for again
       ended = true;
     },
   };
+}
+
+// A long press is one press: else Enter would press again and again, and the next button too.
+function takeLongPresses() {
+  addEventListener("keydown", (event) => {
+    if (!event.repeat || event.key !== "Enter") return;
+    event.preventDefault();
+    event.stopPropagation();
+  }, { capture: true });
 }
 
 // Links to the other pages carry the token, so that each can be opened in a tab of its own.

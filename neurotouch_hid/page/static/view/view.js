@@ -26,6 +26,7 @@ const showPad = makePad(find("pad"), find("pressed"));
 
 let about = null;
 let newest = null;
+let shownProfile = null; // whose marks are drawn
 let layer = "";
 let drawn = false;
 let late = false; // the profile has changed while a mark was held
@@ -43,8 +44,6 @@ const page = openPage(30, {
     about = message;
     showUndo(Boolean(about && about.can_undo));
     keepUnanswered();
-    page.notice("profile",
-      about && about.fault ? `The profile cannot be shown: ${about.fault}` : "");
     showLayer(true);
   },
   driver(runs) {
@@ -69,7 +68,16 @@ const page = openPage(30, {
   },
 });
 
+const isOther = () => (about && about.profile) !== shownProfile;
+
 function save(key, mark, value) {
+  if (isOther()) {
+    const sentence = "Another profile plays now, so nothing was saved.";
+    say("saved", sentence);
+    page.tell(sentence);
+    showLayer(true);
+    return;
+  }
   unanswered.set(page.ask({ do: "set", key, mark, value }), { key, mark, value });
   keepUnanswered();
 }
@@ -117,8 +125,9 @@ function showLayer(fresh) {
   const found = about && about.layers && about.layers.find((each) => each.name === layer);
   const edit = Boolean(about && about.edit);
   // A dragged mark stays with the person; the new values appear after it is released.
-  late = fresh && document.querySelector(".mark.held") !== null;
+  late = (fresh || isOther()) && document.querySelector(".mark.held") !== null;
   if (late) return;
+  shownProfile = about && about.profile;
   const focused = document.activeElement;
   const { key, mark } = (focused && focused.dataset) || {};
   // One mark may be drawn several times: in the bars of a push's directions and in the curve.
