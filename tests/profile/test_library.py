@@ -14,6 +14,7 @@ from neurotouch_hid.errors import DriverError, ProfileError
 from neurotouch_hid.handover import collect_settings
 from neurotouch_hid.players import explain_start, find_user_file
 from neurotouch_hid.profile import check_profile, list_profiles, load_profile
+from neurotouch_hid.profile.editing import Store, make_profile
 from neurotouch_hid.profile.reading.library import (
     find_profile,
     find_shipped_folder,
@@ -99,7 +100,10 @@ def closed_folder(mode: int) -> Iterator[Path]:
 @pytest.mark.parametrize("mode", [0o000, 0o300, 0o400])
 def test_a_folder_that_cannot_be_looked_into_is_told(mode) -> None:
     with closed_folder(mode) as folder:
-        for look in (list_profiles, list_misnamed, partial(find_profile, "default")):
+        for look in (
+            *(list_profiles, list_misnamed, partial(find_profile, "default")),
+            partial(make_profile, "new", "default", str),
+        ):
             with pytest.raises(ProfileError, match=f"'{folder}' cannot be looked into: Per") as it:
                 look()
             assert it.value.hint.startswith("Get the right to look into it.")
@@ -107,6 +111,11 @@ def test_a_folder_that_cannot_be_looked_into_is_told(mode) -> None:
         assert complete_profile(None, None, "") == []
         with pytest.raises(ProfileError, match="cannot be looked into"):  # else it deletes copies
             collect_settings(1)
+
+
+def test_versions_that_cannot_be_looked_into_are_told() -> None:
+    with closed_folder(0o000) as folder, pytest.raises(ProfileError, match="looked into: Per"):
+        Store(folder / "mine.yaml", str).versions()
 
 
 def test_a_file_that_no_name_leads_to_is_not_handed_over(user_folder: Path) -> None:

@@ -15,7 +15,7 @@ from neurotouch_hid.files.small_file import (
     read_bytes,
     suggest_reading,
 )
-from neurotouch_hid.players import find_machine_folder, find_user_file
+from neurotouch_hid.players import find_machine_folder, find_user_file, look_into
 from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.editing.edit_values import reset_value
 from neurotouch_hid.profile.editing.file_header import MODELINE, adopt
@@ -136,10 +136,11 @@ def make_profile(name: str, template: str, stamp: Stamp) -> EditedFile:
     """Returns a new profile of the user's, begun as a copy of another.
 
     Raises:
-        ProfileError: the name is taken or none, or there is no such template.
+        ProfileError: the name is taken or none, there is no such template, or the folder cannot be
+            looked into.
     """
     own = find_own_path(name)
-    if own.exists():
+    if own in look_into(own.parent):
         raise ProfileError(
             f"You have a profile '{name}' already.",
             hint=f"Change it: neurotouch profile edit {name}",

@@ -14,6 +14,7 @@ from typing import Final
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_bytes, suggest_reading
 from neurotouch_hid.partial_file import suggest_fix, write_whole
+from neurotouch_hid.players import look_into
 from neurotouch_hid.printable import make_printable
 
 KEPT: Final = 20
@@ -107,9 +108,13 @@ class Store:
             self._forget_shown()
 
     def versions(self) -> list[Version]:
-        """Returns the versions before, newest first."""
+        """Returns the versions before, newest first.
+
+        Raises:
+            ProfileError: their folder is there and cannot be looked into.
+        """
         found = []
-        for path in self._folder.glob("*.yaml") if self._folder.is_dir() else ():
+        for path in look_into(self._folder):
             parts = _VERSION_FILE.fullmatch(path.name)
             if parts is not None:
                 found.append(Version(int(parts[1]), parts[2], path))
