@@ -68,7 +68,7 @@ class Plugin:
         """
         try:
             make = self.point.load()
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             raise PluginError(
                 f"'{self.point.name}' of the package {find_owner(self.point)} cannot be loaded: "
                 f"{type(error).__name__}: {error}.",
@@ -90,7 +90,7 @@ class Plugin:
             yield
         except NeuroTouchError:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:  # the latter would end us without a word
             kind = "method" if self.point.group == METHODS else "source"
             raise PluginError(
                 f"The {kind} '{self.point.name}' of the package {find_owner(self.point)} failed: "
@@ -98,7 +98,7 @@ class Plugin:
                 hint=f"Fix it there, or uninstall that package. {_WHOLE_TRACEBACK}",
             ) from error
 
-    def _locate(self, error: Exception) -> str:
+    def _locate(self, error: BaseException) -> str:
         """Returns file and line of the innermost call in the package, else of the innermost."""
         calls = list(traceback.walk_tb(error.__traceback__))
         package = self.point.module.partition(".")[0]

@@ -33,6 +33,10 @@ class Raises(NoReset):
     def reset(self): ...
     def update(self, *_): return 1 / 0
 
+class Leaves(NoReset):
+    def reset(self): ...
+    def update(self, *_): raise SystemExit(3)
+
 class OneArgument(NoReset):
     def reset(self): ...
     def update(self, markers): ...
@@ -242,6 +246,7 @@ def test_a_wrong_value_in_a_gesture_is_named(installed, monkeypatch, change, sen
 FAILING = [
     ("method", "no_model", "ValueError: no model"),
     ("method", "Raises", "ZeroDivisionError: division by zero"),
+    ("method", "Leaves", "SystemExit: 3"),
     ("source", "no_file", "FileNotFoundError: [Errno 2] No such file or directory: '/no/gel.dat'"),
     ("source", "Unready", "KeyError: 'no frame'"),
     ("source", "Polled", "ConnectionError: cable gone"),
