@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from neurotouch_hid.cli.shared.silent_driver import is_guided, open_silent_driver
+from neurotouch_hid.cli.ui.completing import complete_source
 from neurotouch_hid.cli.ui.options import (
     method_option,
     seconds_option,
@@ -49,6 +50,7 @@ _KEPT = "What you did is kept. The next calibration continues there."
 @click.argument("gestures", nargs=-1, type=click.Choice(tuple(MOVEMENTS)), metavar="[GESTURE]...")
 @click.option(
     "--source",
+    shell_complete=complete_source,
     show_default="what the running driver sees, or else the camera",
     help="driver:, davis: (the camera), file:NAME.aedat4 (a recording) or sim:NAME (the "
     "simulator).",

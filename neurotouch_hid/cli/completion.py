@@ -1,16 +1,18 @@
 """``neurotouch completion``: prints the tab completion of a shell."""
 
 import click
-from click.shell_completion import BashComplete, FishComplete, ZshComplete
+from click.shell_completion import FishComplete, ZshComplete
 
 from neurotouch_hid.cli.main import cli
+from neurotouch_hid.cli.ui.bash import Bash
 
-_SHELLS = {"bash": BashComplete, "zsh": ZshComplete, "fish": FishComplete}
+_SHELLS = {"bash": Bash, "zsh": ZshComplete, "fish": FishComplete}
 
 
 @click.command(
     epilog="\b\nExamples:\n"
     '  eval "$(neurotouch completion bash)"      in ~/.bashrc\n'
+    '  eval "$(neurotouch completion zsh)"       in ~/.zshrc, behind compinit\n'
     "  neurotouch completion fish > ~/.config/fish/completions/neurotouch.fish"
 )
 @click.argument("shell", type=click.Choice(list(_SHELLS)))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from neurotouch_hid.cli.ui.completing import complete_source
 from neurotouch_hid.cli.ui.options import OutFile, gel_option
 from neurotouch_hid.cli.ui.output import (
     echo,
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--source",
+    shell_complete=complete_source,
     help="Check this source instead of the DAVIS: video:NAME (a video camera), file:NAME.aedat4 or "
     "sim:NAME.",
 )

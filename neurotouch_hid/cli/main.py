@@ -3,6 +3,7 @@
 Only ``click`` is imported before a sub-command is chosen, so that ``neurotouch --help`` is instant.
 """
 
+import os
 import sys
 from typing import Any
 
@@ -149,6 +150,12 @@ def _run() -> Any:
     Raises:
         NeuroTouchError: a question has met the end of the input.
     """
+    if "_NEUROTOUCH_COMPLETE" in os.environ:
+        from click.shell_completion import add_completion_class
+
+        from neurotouch_hid.cli.ui.bash import Bash
+
+        add_completion_class(Bash)
     try:
         return cli.main(prog_name="neurotouch", standalone_mode=False)
     except click.Abort as error:

@@ -12,6 +12,7 @@ import click
 
 from neurotouch_hid import __version__
 from neurotouch_hid.cli.record_progress import RecordingProgress
+from neurotouch_hid.cli.ui.completing import complete_source
 from neurotouch_hid.cli.ui.options import Finite, gel_option
 from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, say
 from neurotouch_hid.errors import (
@@ -62,6 +63,7 @@ class _Silence(KeyboardInterrupt):
 @click.argument("out", type=click.Path(path_type=Path, dir_okay=False))
 @click.option(
     "--source",
+    shell_complete=complete_source,
     show_default="the running driver's data, else davis:",
     help="davis:SERIAL or events:SERIAL (a camera), video:NAME (a webcam), file:NAME.aedat4 "
     "(a recording), "

@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from neurotouch_hid.cli.ui.completing import complete_source
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--source",
+    shell_complete=complete_source,
     show_default="davis:, with the serial number in service.yaml",
     help="Source to use instead of the camera.",
 )

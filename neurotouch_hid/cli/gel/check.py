@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Final
 import click
 
 from neurotouch_hid.cli.shared.telling import open_option, page_option, start_page
+from neurotouch_hid.cli.ui.completing import complete_source
 from neurotouch_hid.cli.ui.options import gel_option
 from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, show_finding
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
@@ -26,7 +27,7 @@ _FIRST: Final = {"title": "Check a gel", "request": "The camera is being opened.
     "  neurotouch gel check video: --json\n\n"
     "Exit code 0 if nothing failed, 1 otherwise. The driver must not use the camera meanwhile."
 )
-@click.argument("source")
+@click.argument("source", shell_complete=complete_source)
 @click.option(
     "--live",
     is_flag=True,

@@ -9,7 +9,7 @@ from neurotouch_hid.cli.profile.drafts import find_draft, save_draft
 from neurotouch_hid.cli.profile.guide import Guide
 from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.profile.values import ask_values
-from neurotouch_hid.cli.ui.completing import complete_file
+from neurotouch_hid.cli.ui.completing import complete_file, complete_source
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, make_stamp, plain_option, say
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 @click.option("--editor", is_flag=True, help="Open the file in $VISUAL or $EDITOR; check it after.")
 @click.option(
     "--source",
+    shell_complete=complete_source,
     help="Let gestures be shown instead of named: file:NAME.aedat4, sim:NAME or davis:.",
 )
 @plain_option

@@ -1,11 +1,16 @@
 """Completes names and keys in the shell."""
 
+import os
 from contextlib import suppress
+from typing import Final
 
 import click
 from click.shell_completion import CompletionItem
 
 from neurotouch_hid.errors import NeuroTouchError
+
+RECORDINGS: Final = (".aedat4", ".avi", ".mkv", ".mp4")
+_KINDS: Final = ("davis", "video", "events", "driver")
 
 
 def complete_profile(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
@@ -26,6 +31,34 @@ def complete_scene(_ctx: click.Context, _param: click.Parameter, incomplete: str
     from neurotouch_hid.source.simulator.scenes import scene_names
 
     return [name for name in scene_names() if name.startswith(incomplete)]
+
+
+def complete_source(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:
+    """Completes sources: kinds, scenes of the simulator, recordings."""
+    from neurotouch_hid.plugins import SOURCES, list_plugins
+    from neurotouch_hid.source.simulator.scenes import scene_names
+
+    kinds = (*_KINDS, *list_plugins(SOURCES))
+    path = incomplete.removeprefix("file:") if incomplete.startswith("file:") else ""
+    found = [f"{kind}:" for kind in kinds]
+    found += [f"sim:{name}" for name in scene_names()]
+    found += [f"file:{each}" for each in _list_recordings(path)]
+    return [each for each in found if each.startswith(incomplete)]
+
+
+def _list_recordings(start: str) -> list[str]:
+    """Returns the paths of recordings and folders that start so; the shells' scripts quote none."""
+    folder, slash, name = start.rpartition("/")
+    found = []
+    with suppress(OSError), os.scandir(folder + slash or ".") as entries:
+        for entry in entries:
+            if not entry.name.startswith(name) or " " in entry.name:
+                continue
+            if entry.is_dir():
+                found.append(f"{folder}{slash}{entry.name}/")
+            elif entry.name.lower().endswith(RECORDINGS):
+                found.append(f"{folder}{slash}{entry.name}")
+    return sorted(found)
 
 
 def complete_file(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[str]:

@@ -3,11 +3,15 @@
 import difflib
 import importlib
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import click
 
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import NeuroTouchError
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 _OTHER_WORDS = {
     "stop": ("quit", "exit", "end", "kill", "off"),
@@ -69,6 +73,17 @@ class LazyGroup(click.Group):
             return _explain_missing(cmd_name)
         command.name = cmd_name  # of the function it has "command"; the documents show this one
         return command
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> "list[CompletionItem]":
+        """Returns what the shell offers, also without importing any."""
+        from click.shell_completion import CompletionItem
+
+        names = [
+            CompletionItem(name, help=summary)
+            for name, summary in self._summaries.items()
+            if name.startswith(incomplete)
+        ]
+        return [*names, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

@@ -8,7 +8,11 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from neurotouch_hid.cli.ui.completing import complete_profile_or_path
+from neurotouch_hid.cli.ui.completing import (
+    RECORDINGS,
+    complete_profile_or_path,
+    complete_source,
+)
 from neurotouch_hid.cli.ui.output import require_writable
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
@@ -26,9 +30,6 @@ class Finite(click.FloatRange):
         if not math.isfinite(number):
             self.fail(f"'{value}' is not in the range.", param, ctx)
         return number
-
-
-_RECORDINGS = (".aedat4", ".avi", ".mkv", ".mp4")
 
 
 class OutFile(click.Path):
@@ -50,7 +51,7 @@ class OutFile(click.Path):
                 f"Option {option} needs the name of a file to write, not the option {value}.",
                 hint=f"Write the name between the two. A file of this name: {option} ./{value}",
             )
-        if path.suffix.lower() in _RECORDINGS and path.exists():
+        if path.suffix.lower() in RECORDINGS and path.exists():
             raise WrongUsage(
                 f"Option {option} would write over the recording '{path}'.",
                 hint=f"Name another file for {option}: it comes right behind it.",
@@ -124,6 +125,7 @@ profile_option = click.option(
 )
 source_option = click.option(
     "--source",
+    shell_complete=complete_source,
     default="davis:",
     show_default=True,
     help="davis: (the camera), video: (a webcam), file:NAME.aedat4 (a recording), file:NAME.mkv (a "

@@ -1,0 +1,42 @@
+"""Completes in bash what click's own class does not."""
+
+import os
+
+from click.shell_completion import BashComplete, CompletionItem, split_arg_string
+
+_BREAKS = frozenset(":=")
+
+
+class Bash(BashComplete):
+    """Bash, which splits words at colons and equals signs.
+
+    It replaces only what is behind the last of them. Beside "any file" click's script forgets all
+    names, so names come first here.
+    """
+
+    _n_kept = 0  # letters of the incomplete value that bash does not replace
+
+    def get_completion_args(self) -> tuple[list[str], str]:
+        """Returns the complete words behind the program's name, and the incomplete one."""
+        place = int(os.environ["COMP_CWORD"])
+        parts = split_arg_string(os.environ["COMP_WORDS"])[1 : place + 1]
+        words: list[str] = []
+        for i, part in enumerate(parts):
+            if i and (part in _BREAKS or parts[i - 1] in _BREAKS):
+                words[-1] += part
+            else:
+                words.append(part)
+        if len(parts) < place:  # nothing of the next word is typed yet
+            return words, ""
+        *before, incomplete = words
+        option, equals, value = incomplete.partition("=")
+        if not (equals and option.startswith("--")):
+            value = incomplete
+        self._n_kept = len(value) - len("" if parts[-1] in _BREAKS else parts[-1])
+        return before, incomplete
+
+    def get_completions(self, args: list[str], incomplete: str) -> list[CompletionItem]:
+        """Returns what bash can offer."""
+        found = super().get_completions(args, incomplete)
+        names = [item.value[self._n_kept :] for item in found if item.type == "plain"]
+        return [CompletionItem(name) for name in names] or found
