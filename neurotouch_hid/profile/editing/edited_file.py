@@ -140,7 +140,7 @@ def make_profile(name: str, template: str, stamp: Stamp) -> EditedFile:
             looked into.
     """
     own = find_own_path(name)
-    if own in look_into(own.parent):
+    if own in look_into(own.parent) and own.exists():  # a link may lead nowhere
         raise ProfileError(
             f"You have a profile '{name}' already.",
             hint=f"Change it: neurotouch profile edit {name}",
