@@ -8,8 +8,8 @@ import click
 from click.shell_completion import CompletionItem
 
 from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.vocabulary import RECORDING_ENDINGS
 
-RECORDINGS: Final = (".aedat4", ".avi", ".mkv", ".mp4")
 _KINDS: Final = ("davis", "video", "events", "driver")
 
 
@@ -56,7 +56,7 @@ def _list_recordings(start: str) -> list[str]:
                 continue
             if entry.is_dir():
                 found.append(f"{folder}{slash}{entry.name}/")
-            elif entry.name.lower().endswith(RECORDINGS):
+            elif entry.name.lower().endswith(RECORDING_ENDINGS):
                 found.append(f"{folder}{slash}{entry.name}")
     return sorted(found)
 

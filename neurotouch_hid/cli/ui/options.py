@@ -8,13 +8,10 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from neurotouch_hid.cli.ui.completing import (
-    RECORDINGS,
-    complete_profile_or_path,
-    complete_source,
-)
+from neurotouch_hid.cli.ui.completing import complete_profile_or_path, complete_source
 from neurotouch_hid.cli.ui.output import require_writable
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
+from neurotouch_hid.vocabulary import RECORDING_ENDINGS
 
 _METHODS = ("neurotouch", "paper")  # gesture.method.BUILT_IN, without loading its kernels
 
@@ -51,7 +48,7 @@ class OutFile(click.Path):
                 f"Option {option} needs the name of a file to write, not the option {value}.",
                 hint=f"Write the name between the two. A file of this name: {option} ./{value}",
             )
-        if path.suffix.lower() in RECORDINGS and path.exists():
+        if path.suffix.lower() in RECORDING_ENDINGS and path.exists():
             raise WrongUsage(
                 f"Option {option} would write over the recording '{path}'.",
                 hint=f"Name another file for {option}: it comes right behind it.",

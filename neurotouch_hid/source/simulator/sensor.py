@@ -171,7 +171,8 @@ class Sensor:
         read_frame(
             self._chip.picture.canvas,
             self._n_exposed,
-            (config.read_noise_dn**2, ELECTRONS_PER_DN),
+            config.read_noise_dn**2,
+            ELECTRONS_PER_DN,
             config.frame_gain,
             self._pattern,
             rng.standard_normal(pixels.size, np.float32),

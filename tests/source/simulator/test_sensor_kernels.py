@@ -94,7 +94,7 @@ def test_a_frame_is_read_as_its_twin_reads_it():
     noise = rng.standard_normal(5000, np.float32)
     mean = canvas["base"] + canvas["exposed"] / 8
     pixels = np.zeros(5000, np.uint8)
-    optics.read_frame(canvas, 8, (1.5, 80.0), 0.9, pattern, noise, pixels)
+    optics.read_frame(canvas, 8, 1.5, 80.0, 0.9, pattern, noise, pixels)
     expected = 0.9 * mean * pattern[0] + pattern[1] + np.sqrt(1.5 + mean / 80.0) * noise
     assert np.abs(pixels - np.clip(expected, 0.0, 255.0)).max() <= 0.51
     assert {0, 255} <= set(pixels.tolist())

@@ -194,7 +194,8 @@ def expose_all(picture: Picture) -> None:
 def read_frame(
     canvas: Records,
     n_exposed: int,
-    electrons: tuple[float, float],
+    dark_dn2: float,
+    electrons_per_dn: float,
     frame_gain: float,
     pattern: Floats,
     noise: Singles,
@@ -205,14 +206,15 @@ def read_frame(
     Args:
         canvas: (n,) POINT_DTYPE; ``exposed`` is 0 afterwards.
         n_exposed: ticks of the exposure.
-        electrons: variance of the noise in the dark in DN², and electrons of one DN.
+        dark_dn2: variance of the noise in the dark, DN².
+        electrons_per_dn: electrons that make one DN, for the noise of light.
         frame_gain: of the whole picture.
         pattern: (2, n) float64, gain and offset in DN of each pixel.
         noise: (n,) float32, standard normal.
         out: (n,) uint8, written.
     """
     ticks, gain = np.float32(n_exposed), np.float32(frame_gain)
-    dark, per_dn = np.float32(electrons[0]), np.float32(electrons[1])
+    dark, per_dn = np.float32(dark_dn2), np.float32(electrons_per_dn)
     for i in range(len(canvas)):
         point = canvas[i]
         mean = point["base"] + point["exposed"] / ticks
