@@ -18,6 +18,9 @@ MOST_EVENTS: Final = 4_000
 noise alone makes this many events, they cost more time than waking the pipeline does."""
 MOST_PER_US: Final = 2
 """The same for slices shorter than 2 ms, which leave less time: events a µs of one slice."""
+DENSE_PER_US: Final = 2
+"""More events a µs of one slice than this come in parts, even if nothing moves: the pipeline works
+on a part while the next one comes, instead of on the whole slice at its end."""
 CALM_US: Final = 100_000
 """Time without activity after which slices are joined."""
 MOVED_US: Final = 150_000
@@ -39,7 +42,7 @@ class SlicePacer:
 
     The noise is learned while the pipeline is idle and stays so. From then on, a slice of the usual
     length with more events than that shows that the gel moves. While it moves, parts of slices pass
-    at once.
+    at once; so do those of slices with very many events.
 
     Args:
         usual_us: length of the usual slices, which end at multiples of it; parts of them may come
@@ -57,6 +60,7 @@ class SlicePacer:
         self._passes = True
         self._n_events = self._length_us = 0  # of the usual slice so far
         self._calm_us, self._still_us = 0, MOVED_US + 1
+        self._is_dense = False
         self._mean, self._deviation = math.inf, 0.0  # so all is noise at first
         self._most = math.inf  # by how many events noise exceeds its mean
         self._n_heard = 0
@@ -73,9 +77,9 @@ class SlicePacer:
         return self._calm_us > CALM_US
 
     @property
-    def is_moving(self) -> bool:
-        """True while more events come than the noise makes, and a little longer."""
-        return self._still_us <= MOVED_US
+    def wants_parts(self) -> bool:
+        """True while more events come than the noise makes, and a little longer; or very many."""
+        return self._still_us <= MOVED_US or self._is_dense
 
     def take(self, packet: EventPacket) -> tuple[EventPacket, ...]:
         """Returns nothing, or this slice joined with all slices that waited.
@@ -86,7 +90,7 @@ class SlicePacer:
         self._n_events += len(packet.events)
         self._length_us += packet.t_end_us - packet.t_begin_us
         if self._usual_us is not None and packet.t_end_us % self._usual_us:
-            if self.is_moving or packet.gap:
+            if self.wants_parts or packet.gap:
                 return self._release(packet)
             self._wait(packet)
             return ()
@@ -94,6 +98,7 @@ class SlicePacer:
         self._n_events = self._length_us = 0
         is_noise = self._is_noise(n_events)
         self._still_us = self._still_us + length_us if is_noise else 0
+        self._is_dense = n_events > DENSE_PER_US * length_us
         if not self.is_idle:
             self._doubtful.clear()
             self._calm_us = 0

@@ -44,7 +44,7 @@ def play(packets, slice_us, part_us):
                 if pacer.is_idle is not None:
                     pacer.is_idle = idle_us >= IDLE_US
                 yield step
-            slicer.part_us = part_us if pacer.is_moving else None
+            slicer.part_us = part_us if pacer.wants_parts else None
     pipeline.close()
 
 

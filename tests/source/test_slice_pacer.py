@@ -6,6 +6,7 @@ import pytest
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.slice_pacer import (
     CALM_US,
+    DENSE_PER_US,
     DOUBT_US,
     LONGEST_US,
     MOST_EVENTS,
@@ -176,13 +177,13 @@ def learn_noise():
 def test_parts_come_at_once_while_the_gel_moves_and_together_when_it_rests():
     pacer, k = learn_noise()
     assert take_parts(pacer, k, [90] * PARTS) == [(0, SLICE_US, 360)]
-    assert not pacer.is_moving
+    assert not pacer.wants_parts
     assert take_parts(pacer, k + 1, [90, 90, 90, 300]) == [(0, SLICE_US, 570)]
-    assert pacer.is_moving
+    assert pacer.wants_parts
     each = [(j * MOVING_US, (j + 1) * MOVING_US, 90) for j in range(PARTS)]
     for j in range(N_STILL + 1):
         assert take_parts(pacer, k + 2 + j, [90] * PARTS) == each, j
-    assert not pacer.is_moving
+    assert not pacer.wants_parts
     assert take_parts(pacer, k + 3 + N_STILL, [90] * PARTS) == [(0, SLICE_US, 360)]
 
 
@@ -194,9 +195,9 @@ def test_a_motion_that_the_pipeline_finds_late_is_not_learned_as_noise():
     pacer.is_idle = False
     for j in range(N_DOUBT, N_DOUBT + N_STILL + 1):
         take_parts(pacer, k + j, [90] * PARTS)
-    assert not pacer.is_moving
+    assert not pacer.wants_parts
     take_parts(pacer, k + j + 1, [120] * PARTS)  # and of a slow one
-    assert pacer.is_moving
+    assert pacer.wants_parts
 
 
 def test_a_motion_is_seen_before_the_pipeline_was_idle_for_long():
@@ -207,7 +208,7 @@ def test_a_motion_is_seen_before_the_pipeline_was_idle_for_long():
         take_parts(pacer, k, rng.poisson(90, PARTS))
     pacer.is_idle = False
     take_parts(pacer, k + 1, [120] * PARTS)
-    assert pacer.is_moving
+    assert pacer.wants_parts
 
 
 def test_light_that_flickers_does_not_keep_slices_short():
@@ -215,19 +216,19 @@ def test_light_that_flickers_does_not_keep_slices_short():
     pacer.is_idle = True
     for k in range(1_000):
         take_parts(pacer, k, [50 if k % 5 else 400] * PARTS)  # every 20 ms
-    assert not pacer.is_moving
+    assert not pacer.wants_parts
 
 
 def test_whole_slices_wake_a_pacer_of_parts_as_well():
     pacer, k = learn_noise()
     assert len(pacer.take(make(k, 600))) == 1
-    assert pacer.is_moving
+    assert pacer.wants_parts
 
 
 def test_until_the_noise_is_known_nothing_moves():
     pacer = SlicePacer(SLICE_US)
     assert take_parts(pacer, 0, [900] * PARTS) == [(0, SLICE_US, 3600)]
-    assert not pacer.is_moving
+    assert not pacer.wants_parts
 
 
 def test_a_lamp_that_stays_does_not_keep_slices_short():
@@ -235,7 +236,22 @@ def test_a_lamp_that_stays_does_not_keep_slices_short():
     pacer.is_idle = True
     for j in range(1_000):
         take_parts(pacer, k + j, [200] * PARTS)
-    assert not pacer.is_moving
+    assert not pacer.wants_parts
+
+
+@pytest.mark.parametrize("is_idle", [True, False])
+def test_very_many_events_come_in_parts_though_nothing_moves(is_idle):
+    few, many = DENSE_PER_US * MOVING_US - 100, DENSE_PER_US * MOVING_US + 100
+    pacer = SlicePacer(SLICE_US)
+    pacer.is_idle = is_idle
+    k = 2 * N_STILL
+    for j in range(k):  # light that flickers: this is noise
+        take_parts(pacer, j, [many] * PARTS)
+    each = [(j * MOVING_US, (j + 1) * MOVING_US, many) for j in range(PARTS)]
+    assert take_parts(pacer, k, [many] * PARTS) == each
+    take_parts(pacer, k + 1, [few] * PARTS)
+    assert not pacer.wants_parts
+    assert take_parts(pacer, k + 2, [few] * PARTS) == [(0, SLICE_US, PARTS * few)]
 
 
 def test_a_part_after_a_gap_does_not_wait():

@@ -53,7 +53,7 @@ class Load:
 LOADS: Final = (
     Load("at_1_khz", "tour", 1000.0, 1e6, 20.0, sustained=True),
     Load("at_250_hz", "tour", 250.0, 1e6, 20.0, sustained=True),
-    Load("at_12_million", "tour", 250.0, 12e6, 10.0),
+    Load("at_12_million", "tour", 1000.0, 12e6, 10.0, follows=True),
     Load("play", "tour", 1000.0, None, 20.0, follows=True),
     Load("idle", "rest", 250.0, None, 10.0),
 )

@@ -222,7 +222,7 @@ class DavisSource(CameraSource):
         for whole in self._pacer.take(packet):
             self._queue.put(whole)
             self._note_progress(whole.t_end_us)
-        return self._part_us if self._pacer.is_moving and not is_behind else None
+        return self._part_us if self._pacer.wants_parts and not is_behind else None
 
     def _note(self, error: CameraError) -> None:
         self._n_restarts += isinstance(error, OutOfStepError)

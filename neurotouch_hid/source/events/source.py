@@ -315,7 +315,7 @@ class EventCameraSource(CameraSource):
         for whole in self._pacer.take(packet):
             self._queue.put(whole)
         self._note_progress(packet.t_end_us)
-        if self._strobe is not None or is_behind or not self._pacer.is_moving:
+        if self._strobe is not None or is_behind or not self._pacer.wants_parts:
             return None
         return self._part_us
 
