@@ -112,3 +112,10 @@ def test_a_long_press_of_enter_is_one_press(play):
         page.keyboard.down("Enter")  # a key that is kept down repeats
     assert page.get_attribute("body", "data-mode") == "flying"
     page.keyboard.up("Enter")
+
+
+def test_the_keys_of_a_russian_keyboard_turn_the_gel_too(play):
+    page, driver = play("gel")
+    press = "new KeyboardEvent('keydown', {key: 'у', code: 'KeyE'})"  # where others have E
+    page.evaluate(f"document.getElementById('gel').dispatchEvent({press})")
+    wait_on(page, lambda: any(hand["twist_rad"] > 0 for hand in driver.hands))

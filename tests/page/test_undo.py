@@ -111,3 +111,23 @@ def test_the_live_view_has_the_same_button(view, folder, open_page):
     wait_on(page, lambda: read_button(page, "undo") == ("false", ""))
     page.click("#undo")
     wait_on(page, lambda: read_button(page, "undo") == ("true", WORDS["undo"]))
+
+
+def test_a_hand_that_presses_twice_undoes_once(view, folder, open_page):
+    path = folder / "config/neurotouch/profiles/mine.yaml"
+    path.write_text(PROFILE)
+    page = open_page(view.link)
+    page.wait_for_selector("#editor:not([hidden])")
+    texts = [path.read_text()]
+    for _ in range(2):
+        page.click("#mark-more")
+        wait_on(page, lambda: path.read_text() != texts[-1])
+        texts.append(path.read_text())
+    wait_on(page, lambda: read_button(page, "undo") == ("false", ""))
+    page.dblclick("#undo")
+    wait_for(page, "live", "Pressed twice at once: only one change is undone.")
+    wait_on(page, lambda: path.read_text() == texts[1])
+    page.wait_for_timeout(600)
+    assert path.read_text() == texts[1]
+    page.click("#undo")
+    wait_on(page, lambda: path.read_text() == texts[0])

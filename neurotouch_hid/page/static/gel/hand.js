@@ -1,5 +1,7 @@
 // Combines mouse, touch, wheel, keys and buttons into one command for the simulated hand.
 
+import { readKey } from "../shared/presses.js";
+
 const REACH_MM = 22;
 const SPREAD_MM = 10;
 const TWIST_RAD = 1;
@@ -129,7 +131,7 @@ export class Hand {
     }, { passive: false });
     canvas.addEventListener("contextmenu", (event) => event.preventDefault());
     canvas.addEventListener("keydown", (event) => {
-      const gesture = KEYS[event.key] || KEYS[event.key.toLowerCase()];
+      const gesture = KEYS[readKey(event)];
       if (!gesture || event.altKey || event.metaKey) return;
       event.preventDefault();
       this.press(gesture);
@@ -137,7 +139,7 @@ export class Hand {
     addEventListener("keydown", (event) => { if (event.key === "Control") this._ctrl = true; });
     addEventListener("keyup", (event) => {
       if (event.key === "Control") this._ctrl = false;
-      const gesture = KEYS[event.key] || KEYS[event.key.toLowerCase()];
+      const gesture = KEYS[readKey(event)];
       if (gesture) this.release(gesture);
     });
     addEventListener("blur", () => {

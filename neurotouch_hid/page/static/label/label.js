@@ -3,6 +3,7 @@
 // The server has the labels, and saves each change before it says so. This page only shows them,
 // and asks for changes of the gesture at the present moment, or of the part that was marked.
 
+import { readKey } from "../shared/presses.js";
 import { makeSpeech } from "../shared/speech.js";
 import { connect, element } from "../shared/wire.js";
 import { makeTimeline } from "./timeline.js";
@@ -378,7 +379,7 @@ const LETTERS = {
 
 addEventListener("keydown", (event) => {
   if (!sheet || event.altKey || event.metaKey) return;
-  const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+  const key = readKey(event);
   let act = null;
   if (event.ctrlKey) {
     if (key === "z") act = () => change({ do: event.shiftKey ? "redo" : "undo" });

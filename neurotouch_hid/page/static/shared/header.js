@@ -4,6 +4,7 @@
 // header hears each message first.
 
 import { recall, remember } from "./memory.js";
+import { readKey, watchPresses } from "./presses.js";
 import { LEVELS, makeSpeech } from "./speech.js";
 import { connect, element } from "./wire.js";
 
@@ -26,7 +27,6 @@ const STATES = {
 };
 const PAUSE_KEY = "p";
 const KEY_CHOICE = "neurotouch-pause-key";
-const TWICE_MS = 500; // a trembling hand presses twice: the second press does not resume
 const SILENT_MS = 3000; // a busy machine may be late by a second
 const UNHEARD_MS = 6000; // the server says sooner whether the driver is silent
 const NOTICES = ["request", "connection", "driver", "profile", "own"]; // the first one that applies shows
@@ -43,7 +43,7 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
   let driver = "waiting"; // the driver's last state
   let runs = false;
   let asked = 0; // the number of the last Pause or Resume
-  let pressed = -Infinity; // when Pause or Resume was pressed last
+  const isTwice = watchPresses();
   let mayPause = true;
   let heard = performance.now();
   let isSilent = false; // the driver sends nothing, as the server says
@@ -87,10 +87,9 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
       speech.tell(parts.reason.textContent || `${STATES[shown]}.`);
       return;
     }
-    const isTwice = performance.now() - pressed < TWICE_MS;
-    pressed = performance.now();
+    const mayResume = !isTwice();
     if (!resumes()) asked = wire.ask({ do: "pause" });
-    else if (!isTwice) asked = wire.ask({ do: "resume" });
+    else if (mayResume) asked = wire.ask({ do: "resume" });
   }
 
   function showWhat({ slow, profile: name, layer: of }) {
@@ -244,16 +243,10 @@ function listenToKey({ button, hint, key }, act) {
   show();
   addEventListener("keydown", (event) => {
     if (!key.checked || event.repeat || event.ctrlKey || event.altKey || event.metaKey) return;
-    if (!isPauseKey(event) || isTyping(event.target)) return;
+    if (readKey(event) !== PAUSE_KEY || isTyping(event.target)) return;
     event.preventDefault();
     act();
   }, { capture: true });
-}
-
-// A Greek or Cyrillic keyboard writes another letter with this key.
-function isPauseKey({ key, code }) {
-  return key.toLowerCase() === PAUSE_KEY
-    || (code === "KeyP" && /^\p{L}$/u.test(key) && !/\p{Script=Latin}/u.test(key));
 }
 
 const NO_TYPING = ["button", "checkbox", "color", "file", "image", "radio", "range", "reset",

@@ -1,6 +1,9 @@
 // A button that undoes. While there is nothing to undo it does nothing, and says so beside it.
 
+import { watchPresses } from "./presses.js";
 import { element } from "./wire.js";
+
+const TWICE = "Pressed twice at once: only one change is undone.";
 
 // `words` say that there is nothing to undo; `tell` speaks them. Returns a function that takes
 // whether there is something. The button keeps its place in the order of the Tab key, so that the
@@ -11,7 +14,13 @@ export function makeUndo(button, words, undo, tell) {
   button.setAttribute("aria-describedby", reason.id);
   button.classList.add("undo");
   button.after(reason);
-  button.addEventListener("click", () => (can ? undo() : tell(words)));
+  const isTwice = watchPresses();
+  button.addEventListener("click", () => {
+    const wasTwice = isTwice();
+    if (!can) tell(words);
+    else if (wasTwice) tell(TWICE);
+    else undo();
+  });
   function show(now) {
     can = now;
     button.setAttribute("aria-disabled", String(!can));
