@@ -23,7 +23,7 @@ from neurotouch_hid.page.reading import read_word
 from neurotouch_hid.page.situation import MENDS
 from neurotouch_hid.players import find_player, find_runtime_folder
 from neurotouch_hid.profile import Profile, check_profile, list_profiles
-from neurotouch_hid.profile.reading import Checked, find_user_folder
+from neurotouch_hid.profile.reading import Checked, check_listed, find_user_folder
 
 Request = dict[str, Any]
 """The message of a browser, which may hold anything: each value is checked where it is read."""
@@ -256,7 +256,7 @@ def _describe_profiles() -> list[ProfileRow]:
     favourites, own = load_usable_user().slots, find_user_folder()
     rows: list[ProfileRow] = []
     for name, path in list_profiles().items():
-        checked = check_profile(path)
+        checked = check_listed(path)
         whole = checked.whole
         rows.append(
             {

@@ -188,6 +188,18 @@ def test_lists_are_for_people_and_programs(home):
     assert "hold_ms: 700" in output
 
 
+def test_a_profile_that_cannot_be_read_leaves_the_others_in_the_list(home):
+    run("profile", "new", "mine")
+    (home / "profiles" / "closed.yaml").symlink_to("/proc/self/mem")  # nobody can read this
+    output, code = run("profile", "list")
+    assert code == 0
+    assert "FAILED closed, yours: it has errors, see: neurotouch profile check closed\n" in output
+    assert "\nmine, yours: " in output
+    output, code = run("profile", "check", "closed")
+    assert code == 6
+    assert "closed.yaml cannot be read: Input/output error.\n" in output
+
+
 def test_use_makes_a_favourite_and_keeps_no_version(home):
     assert run("profile", "use", "racing")[1] == 0
     output, code = run("profile", "use", "mouse")

@@ -18,14 +18,14 @@ from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_
 @plain_option
 def list_command(as_json: bool, plain: bool) -> None:
     """Print every profile: yours and those shipped."""
-    from neurotouch_hid.profile import check_profile, list_profiles, load_user
-    from neurotouch_hid.profile.reading import find_shipped_folder
+    from neurotouch_hid.profile import list_profiles, load_user
+    from neurotouch_hid.profile.reading import check_listed, find_shipped_folder
 
     shipped = find_shipped_folder()
     favourites = load_user().slots
     rows = []
     for name, path in list_profiles().items():
-        checked = check_profile(path)
+        checked = check_listed(path)
         rows.append(
             {
                 "name": name,

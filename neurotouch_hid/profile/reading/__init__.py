@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from neurotouch_hid.profile.reading.load import (
         Checked,
         check_content,
+        check_listed,
         check_profile,
         check_user,
         find_values,
@@ -38,8 +39,9 @@ else:
         {
             "library": "OWN_VALUES find_profile find_shipped_folder find_user_folder "
             "list_changeable_folders list_misnamed list_profile_folders list_profiles",
-            "load": "Checked check_content check_profile check_user find_values holds_values "
-            "load_profile load_settings load_unused load_user parse_profile parse_settings",
+            "load": "Checked check_content check_listed check_profile check_user find_values "
+            "holds_values load_profile load_settings load_unused load_user parse_profile "
+            "parse_settings",
         },
     )
 
@@ -47,6 +49,7 @@ __all__ = [
     "OWN_VALUES",
     "Checked",
     "check_content",
+    "check_listed",
     "check_profile",
     "check_user",
     "find_profile",

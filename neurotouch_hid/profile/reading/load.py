@@ -105,6 +105,15 @@ def check_profile(
     return _check_named(content, name, chain, unused, folder, _find_name(path, folder))
 
 
+def check_listed(path: Path) -> Checked[Profile]:
+    """Returns a profile of a list; for one that cannot be read, that is its only fault."""
+    try:
+        return check_profile(path)
+    except ProfileError as error:
+        fault = Fault(Mark(0, 0), "", error.message.removesuffix("."), code="NT101")
+        return Checked(make_printable(str(path)), "", (fault,))
+
+
 def parse_profile(content: bytes, name: str) -> Profile:
     """Returns the profile in the content of a file.
 
