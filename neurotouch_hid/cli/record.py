@@ -113,6 +113,9 @@ def command(
     from neurotouch_hid.source.rig_file import rig_path
 
     _require_place(out, source, force=force)
+    rig = _read_rig(source)
+    if out.exists():
+        _spare_handwork(out, has_rig=bool(rig))
     if gel is not None and source == RUNNING_DRIVER:
         raise ProfileError(
             "The driver that runs knows its gel, so --gel has no place here.",
@@ -126,7 +129,6 @@ def command(
         opened = _open(stack, source, "max" if seconds or whole else "recorded", seed, chosen.gel)
         stack.callback(_restore_signals)  # before the source is closed: that may hang
         mark = _mark(opened.source, source, seed)
-        rig = _read_rig(source)
         if is_clip(out):
             recorder = Recorder(ClipWriter(out, simulation=mark))
         else:
@@ -221,6 +223,19 @@ def _require_place(out: Path, source: str, *, force: bool) -> None:
         raise RecordingError(
             f"'{out}' exists already.", hint="Give another name, or --force to replace it."
         )
+
+
+def _spare_handwork(out: Path, *, has_rig: bool) -> None:
+    """Refuses to replace a recording that a person has made labels or a rig for."""
+    from neurotouch_hid.recording import labels_path
+    from neurotouch_hid.source.rig_file import rig_path
+
+    for made in (labels_path(out), *(() if has_rig or is_clip(out) else (rig_path(out),))):
+        if made.exists():
+            raise RecordingError(
+                f"'{made}' belongs to the recording that would be replaced.",
+                hint="Give another name, or move that file away first.",
+            )
 
 
 def _require_events(opened: _Opened) -> None:

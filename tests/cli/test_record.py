@@ -103,6 +103,19 @@ def test_what_is_there_is_not_replaced_unless_asked_to(tmp_path, record, quick):
     assert count(path) == (20_000, 5)
 
 
+@pytest.mark.parametrize("ending", ["labels.csv", "rig.yaml"])
+def test_a_recording_that_a_person_has_worked_on_is_not_replaced(tmp_path, record, quick, ending):
+    path, made = tmp_path / "a.aedat4", tmp_path / f"a.{ending}"
+    path.write_bytes(b"precious")
+    made.write_text("hours of work")
+    done = record(path, *quick, "--force")
+    assert done.returncode == 4
+    assert f"Error: '{made}' belongs to the recording that would be replaced.\n" in done.stderr
+    assert (path.read_bytes(), made.read_text()) == (b"precious", "hours of work")
+    made.rename(tmp_path / "elsewhere")
+    assert record(path, *quick, "--force").returncode == 0
+
+
 @pytest.mark.parametrize("name", ["a.mp4", "-", "a"])
 def test_another_kind_of_file_is_refused(tmp_path, record, quick, name):
     done = record(name, *quick, cwd=tmp_path)
