@@ -144,8 +144,8 @@ def main() -> None:
 def _run() -> Any:
     """Runs the command line and returns the exit code.
 
-    click takes every EOFError for Ctrl-D at one of its questions; but a question of its own ends in
-    an Abort without a cause.
+    Not by click's own ``main``: that ends with 1 where the reader of our output is gone, and takes
+    every EOFError for Ctrl-D at one of its questions.
 
     Raises:
         NeuroTouchError: a question has met the end of the input.
@@ -156,11 +156,16 @@ def _run() -> Any:
         from neurotouch_hid.cli.ui.bash import Bash
 
         add_completion_class(Bash)
-    try:
         return cli.main(prog_name="neurotouch", standalone_mode=False)
+    try:
+        with cli.make_context("neurotouch", sys.argv[1:]) as ctx:
+            return cli.invoke(ctx)
+    except click.exceptions.Exit as end:
+        return end.exit_code
+    except KeyboardInterrupt:
+        click.echo(err=True)  # ends the line in which the terminal shows ^C
+        raise
     except click.Abort as error:
-        if isinstance(error.__cause__, EOFError):
-            raise error.__cause__ from None
         if isinstance(error.__context__, EOFError):
             raise EndOfInputError from None
         raise

@@ -319,6 +319,18 @@ main()
 """
 
 
+@pytest.mark.parametrize("words", ["--help", "profile list", "profile show default"])
+def test_a_reader_that_has_seen_enough_is_no_failure(words):
+    seen, output = os.pipe()
+    os.close(seen)  # as `neurotouch profile list | head` does
+    try:
+        outputs = {"capture_output": False, "stdout": output, "stderr": subprocess.PIPE}
+        done = run_neurotouch(*words.split(), **outputs)
+    finally:
+        os.close(output)
+    assert done.stderr == ""
+
+
 def test_the_end_of_a_file_is_not_taken_for_ctrl_d():
     done = run_command(sys.executable, "-c", FAILING, code=1)
     assert "EOFError: half a file" in done.stderr

@@ -63,7 +63,7 @@ def test_from_the_questions_to_the_folder_without_a_terminal(home):
 def test_a_file_that_is_there_stays(home):
     (home / "mine.yaml").write_text("mine")
     output, code = run("new", "mine.yaml", *ANSWERS)
-    assert code == 1
+    assert code == 6
     assert "--force" in output
     assert (home / "mine.yaml").read_text() == "mine"
     output, code = run("new", "mine.yaml", *ANSWERS, "--force", "--name", "try")
@@ -87,7 +87,7 @@ def test_the_same_figures_as_json():
         (("new", "a.yaml", "--camera", "own", "--hand", "small", "--way", "cast"), 2, "--width"),
         (("new", "a.yaml", *ANSWERS, "--width", "640"), 2, "--camera own"),
         (("new", "a.yaml", *ANSWERS, "--name", "a b"), 6, "name"),
-        (("new", "none/a.yaml", *ANSWERS), 1, "cannot be written"),
+        (("new", "none/a.yaml", *ANSWERS), 6, "cannot be written"),
         (("show", "nothing.yaml"), 6, "nothing.yaml"),
         (("make", "out", "--gel", "nothing"), 6, "nothing"),
         (("check", "sim:nothing"), 3, "nothing"),

@@ -341,11 +341,11 @@ def test_missing_value_says_what_to_write(answer, line, fix):
 
 
 def test_file_that_cannot_be_used_is_named_in_a_sentence(monkeypatch, capsys):
-    def fail(**_):
+    def fail(*_):
         raise FileNotFoundError(2, "No such file or directory", "gone/x")
 
     monkeypatch.setattr(command_line, "handle_interrupts", lambda: None)
-    monkeypatch.setattr(command_line.cli, "main", fail)
+    monkeypatch.setattr(command_line.cli, "make_context", fail)
     stdout = sys.stdout
     with pytest.raises(SystemExit):
         command_line.main()

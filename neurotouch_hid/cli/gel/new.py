@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from neurotouch_hid.cli.ui.options import Finite
-from neurotouch_hid.cli.ui.output import choose, echo, save_text
+from neurotouch_hid.cli.ui.output import choose, echo
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
-from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.driver.making_settings import Camera
@@ -63,11 +63,12 @@ def command(
     from neurotouch_hid.driver.gel_settings import GelSettings
     from neurotouch_hid.gel_making.cameras import CAMERAS, HANDS, WAYS, write_gel_file
     from neurotouch_hid.gel_making.plan import make_plan
+    from neurotouch_hid.partial_file import suggest_fix, write_whole
     from neurotouch_hid.profile.reading import parse_settings
 
     path = file or find_gel_folder() / FILE
     if path.exists() and not force:
-        raise NeuroTouchError(
+        raise ProfileError(
             f"There is a gel '{path}' already.",
             hint="Give another FILE, or add --force to replace it.",
         )
@@ -87,9 +88,14 @@ def command(
     chosen_way = next(each for each in WAYS if each == way)
     text = write_gel_file(name, chosen, HANDS[hand], chosen_way)
     plan = make_plan(parse_settings(text.encode(), str(path), GelSettings))
-    if file is None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    save_text(path, text)
+    try:
+        if file is None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, text.encode())
+    except OSError as error:
+        raise ProfileError(
+            f"'{path}' cannot be written: {error.strerror}.", hint=suggest_fix(error)
+        ) from None
     echo(f"'{path}' is written: {plan.gel.n_markers} dots, camera {plan.distance:.0f} mm below.")
     option = "" if file is None else f" --gel {path}"
     echo(f"Next: neurotouch gel make my-gel{option}")
