@@ -186,9 +186,10 @@ def require_gel(gel: GelState, source: str = "this source") -> None:
         GelNotFoundError: no frame has shown it.
     """
     if not gel.was_found:
-        sentence = explain_gel(gel)
+        sentence, made = explain_gel(gel), gel.layout
+        called = "" if made is PAPER_GEL else f" '{made.name}' of {made.n_markers} dots"
         raise GelNotFoundError(
-            f"No gel was found in {source}: {sentence.why}.", hint=sentence.fix or None
+            f"No gel{called} was found in {source}: {sentence.why}.", hint=sentence.fix or None
         )
 
 

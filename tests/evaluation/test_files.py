@@ -116,6 +116,10 @@ def test_a_recording_without_a_gel_is_refused(recordings, tmp_path):
     labels_path(path).write_bytes(labels_path(recordings[0]).read_bytes())
     with pytest.raises(GelNotFoundError, match=r"No gel was found in '.*dark\.aedat4': "):
         evaluate_files([path], PAPER)
+    made = "version: 1\nname: mine\nlayout: {kind: hex, pitch_mm: 4.0, radius_mm: 24}\n"
+    path.with_suffix(".gel.yaml").write_text(made)
+    with pytest.raises(GelNotFoundError, match=r"No gel 'mine' of 127 dots was found in '"):
+        evaluate_files([path], PAPER)
 
 
 def test_labels_in_another_time_are_refused(recordings, tmp_path):
