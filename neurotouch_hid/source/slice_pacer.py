@@ -20,7 +20,8 @@ MOST_PER_US: Final = 2
 """The same for slices shorter than 2 ms, which leave less time: events a µs of one slice."""
 DENSE_PER_US: Final = 2
 """More events a µs of one slice than this come in parts, even if nothing moves: the pipeline works
-on a part while the next one comes, instead of on the whole slice at its end."""
+on a part while the next one comes, instead of on the whole slice at its end. They are never calm:
+they hide the first motion."""
 CALM_US: Final = 100_000
 """Time without activity after which slices are joined."""
 MOVED_US: Final = 150_000
@@ -110,7 +111,7 @@ class SlicePacer:
         if not self._n_heard:
             self._mean = min(self._mean, n_events)
             self._most = self._find_most()
-        is_calm = is_noise and self._n_heard > 0 and not packet.gap
+        is_calm = is_noise and self._n_heard > 0 and not packet.gap and not self._is_dense
         self._calm_us = self._calm_us + length_us if is_calm else 0
         begin_us = self._waiting[0].t_begin_us if self._waiting else packet.t_begin_us
         n_next = self._n_waiting + len(packet.events) + n_events  # with one more like this

@@ -244,11 +244,12 @@ def test_very_many_events_come_in_parts_though_nothing_moves(is_idle):
     few, many = DENSE_PER_US * MOVING_US - 100, DENSE_PER_US * MOVING_US + 100
     pacer = SlicePacer(SLICE_US)
     pacer.is_idle = is_idle
-    k = 2 * N_STILL
+    k = 2 * N_DOUBT
     for j in range(k):  # light that flickers: this is noise
         take_parts(pacer, j, [many] * PARTS)
     each = [(j * MOVING_US, (j + 1) * MOVING_US, many) for j in range(PARTS)]
     assert take_parts(pacer, k, [many] * PARTS) == each
+    assert not pacer.is_calm
     take_parts(pacer, k + 1, [few] * PARTS)
     assert not pacer.wants_parts
     assert take_parts(pacer, k + 2, [few] * PARTS) == [(0, SLICE_US, PARTS * few)]
