@@ -46,7 +46,8 @@ def ask(tmp_path, monkeypatch):
         (("run", "--source", "sim", ":", "to"), ["tour"]),
         (("run", "--source", "=", "sim", ":", "to"), ["tour"]),
         (("run", "--source", "sim:to"), ["sim:tour"]),  # where a person's bash splits at no colon
-        (("run", "--source", "file", ":"), ["bin/", "clip.mkv"]),
+        (("run", "--source", "file", ":"), ["bin/", "clip.mkv", r"my\ clip.mkv"]),
+        (("run", "--source", "file", ":", r"my\ c"), [r"my\ clip.mkv"]),
         (("run", "--source", "sim", ":", "tour", "--met"), ["--method"]),
         (("demo", "--scene", "push-l"), ["push-left"]),
     ],

@@ -1,6 +1,7 @@
 """Completes in bash what click's own class does not."""
 
 import os
+import re
 
 from click.shell_completion import BashComplete, CompletionItem, split_arg_string
 
@@ -39,4 +40,9 @@ class Bash(BashComplete):
         """Returns what bash can offer."""
         found = super().get_completions(args, incomplete)
         names = [item.value[self._n_kept :] for item in found if item.type == "plain"]
-        return [CompletionItem(name) for name in names] or found
+        return [CompletionItem(_quote(name)) for name in names] or found
+
+
+def _quote(name: str) -> str:
+    """Returns a name as it is typed; of two backslashes click's script takes one away."""
+    return re.sub(r"[^\w@%+=:,./~-]", r"\\\\\g<0>", name)

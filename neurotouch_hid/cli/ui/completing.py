@@ -47,12 +47,12 @@ def complete_source(_ctx: click.Context, _param: click.Parameter, incomplete: st
 
 
 def _list_recordings(start: str) -> list[str]:
-    """Returns the paths of recordings and folders that start so; the shells' scripts quote none."""
+    """Returns the paths of recordings and folders that start so."""
     folder, slash, name = start.rpartition("/")
     found = []
     with suppress(OSError), os.scandir(folder + slash or ".") as entries:
         for entry in entries:
-            if not entry.name.startswith(name) or " " in entry.name:
+            if not entry.name.startswith(name) or not entry.name.isprintable():
                 continue
             if entry.is_dir():
                 found.append(f"{folder}{slash}{entry.name}/")
