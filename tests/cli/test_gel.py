@@ -58,6 +58,9 @@ def test_from_the_questions_to_the_folder_without_a_terminal(home):
     assert "--force" in output
     assert run("make", "out", "--force")[1] == 0
     assert {each.name: each.read_bytes() for each in (home / "out").iterdir()} == first
+    (home / "out/pegs.stl").write_text("of an older plan")
+    output, _ = run("make", "out", "--force")
+    assert "not of this plan: pegs.stl." in output
 
 
 def test_a_file_that_is_there_stays(home):
@@ -78,6 +81,12 @@ def test_the_same_figures_as_json():
     assert figures["dots"] == PAPER_GEL.n_markers
     assert figures["px_per_mm"] == pytest.approx(2.5, abs=0.03)
     assert 0.55 < figures["fill"] < 0.61
+
+
+def test_a_width_that_was_calculated_is_rounded(home):
+    layout = "layout: {kind: grid, columns: 10, rows: 8, pitch_mm: [4, 5]}\n"
+    (home / "grid.yaml").write_text(layout)
+    assert "on a gel 52.21 mm wide" in run("show", "grid.yaml")[0]
 
 
 @pytest.mark.parametrize(
