@@ -100,6 +100,7 @@ def test_a_width_that_was_calculated_is_rounded(home):
         (("show", "nothing.yaml"), 6, "nothing.yaml"),
         (("make", "out", "--gel", "nothing"), 6, "nothing"),
         (("check", "sim:nothing"), 3, "nothing"),
+        (("check", "sim:rest", "--live", "--json"), 2, "--live lines for people"),
         (("check", "file:none.aedat4"), 4, "none.aedat4"),
     ],
 )
