@@ -277,8 +277,8 @@ class _Picture:
         if error_mm > _MOST_ERROR_MM:
             return warn(
                 sentence,
-                "Was the gel touched? Then check again. If not: more light makes the dots steadier; "
-                "so does a sharper picture.",
+                "Was the gel touched? Then check again. If not: more light makes the dots "
+                "steadier; so does a sharper picture.",
             )
         return approve(sentence)
 

@@ -118,6 +118,16 @@ def test_a_recording_without_a_gel_is_refused(recordings, tmp_path):
         evaluate_files([path], PAPER)
 
 
+def test_a_rig_file_that_says_the_wrong_place_is_named(recordings, tmp_path):
+    path = tmp_path / "push.aedat4"
+    path.write_bytes(recordings[0].read_bytes())
+    labels_path(path).write_bytes(labels_path(recordings[0]).read_bytes())
+    path.with_suffix(".rig.yaml").write_text("centre_px: [60, 60]\npx_per_mm: 2.5\n")
+    with pytest.raises(GelNotFoundError, match="where its rig file says") as caught:
+        evaluate_files([path], PAPER)
+    assert "NAME.rig.yaml" in caught.value.hint
+
+
 def test_labels_in_another_time_are_refused(recordings, tmp_path):
     path = tmp_path / "push.aedat4"
     path.write_bytes(recordings[0].read_bytes())

@@ -84,6 +84,8 @@ def test_a_spreadsheet_may_have_saved_it(tmp_path):
         ("5,push,1,1,1,2", "2: expected 10 columns, found 6"),
         ("5,none,0,0,,,,,,\n5,none,0,0,,,,,,", "3: column timestamp_us: expected a time after the "
          "row before (5), found '5'"),
+        ('5,none,0,0,,,,,,\n6,"push,1,1,1,2,,,,\n7,none,0,0,,,,,,', ":3: a quotation mark is"),
+        ('5,"push"x,1,1,1,2,,,,', ":2: a quotation mark is missing, or one is too many."),
         ("", " has no labels"),
     ],
 )  # fmt: skip
@@ -104,6 +106,7 @@ def test_wrong_rows(tmp_path, rows, words):
         (HEADER.replace(",", ";"), "1: the columns are separated by semicolons, not by commas"),
         (HEADER.replace(",", "\t"), "1: the columns are separated by tabs, not by commas"),
         (HEADER + ",note", "1: unknown column 'note'"),
+        (HEADER + ",", "1: column 11 has no name"),
         (HEADER.replace("gesture,intensity_mm", "intensity_mm,gesture"), "another order"),
     ],
 )
