@@ -106,6 +106,15 @@ def test_missing_labels_are_told_before_anything_is_played(recordings, tmp_path)
     assert not done
 
 
+def test_the_command_says_at_once_that_the_first_time_takes_longer(recordings, monkeypatch):
+    def stop(*_, **__):
+        raise NeuroTouchError("stopped")
+
+    monkeypatch.setattr("neurotouch_hid.evaluation.accuracy.evaluate_files", stop)
+    told = CliRunner().invoke(command, [str(recordings[0])])
+    assert "the first time compiles for this processor" in told.output
+
+
 def test_a_recording_without_a_gel_is_refused(recordings, tmp_path):
     path = tmp_path / "dark.aedat4"
     events = np.array([(t, 5, 5, True) for t in range(0, 400_000, 1_000)], EVENT_DTYPE)
