@@ -20,6 +20,7 @@ from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GestureKi
 from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.printable import make_printable
 from neurotouch_hid.recording.check import check_recording
+from neurotouch_hid.vocabulary import RECORDING_ENDINGS
 
 if TYPE_CHECKING:
     import _csv
@@ -93,9 +94,9 @@ def check_labelled(recordings: Iterable[Path]) -> None:
     """
     for path in recordings:
         if path.is_dir():
-            raise RecordingError(
-                f"'{path}' is a folder.", hint=f"Give its recordings: {path}/*.aedat4"
-            )
+            there = [each for each in RECORDING_ENDINGS if any(path.glob(f"*{each}"))]
+            hint = " ".join(f"{path}/*{each}" for each in there or RECORDING_ENDINGS[:1])
+            raise RecordingError(f"'{path}' is a folder.", hint=f"Give its recordings: {hint}")
         check_recording(path)
         if not labels_path(path).exists():
             raise _refuse_unlabelled(labels_path(path))

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import GestureKind, Truth
-from neurotouch_hid.recording import labels_path, read_labels, write_labels
+from neurotouch_hid.recording import check_labelled, labels_path, read_labels, write_labels
 
 HEADER = "timestamp_us,gesture,intensity_mm,contacts,x1_px,y1_px,x2_px,y2_px,x3_px,y3_px"
 millimetres = st.integers(0, 40_000).map(lambda n: n / 1000)
@@ -124,3 +124,19 @@ def test_missing_and_not_text(tmp_path):
     with pytest.raises(RecordingError, match="is not UTF-8 text") as caught:
         read_labels(tmp_path / "b.labels.csv")
     assert caught.value.hint == "Save it again as CSV in UTF-8."
+
+
+@pytest.mark.parametrize(
+    ("names", "proposed"),
+    [
+        ((), "*.aedat4"),
+        (("a.mkv", "b.mkv"), "*.mkv"),
+        (("a.mp4", "b.aedat4"), "*.aedat4 {}/*.mp4"),
+    ],
+)
+def test_of_a_folder_what_is_in_it_is_proposed(tmp_path, names, proposed):
+    for name in names:
+        (tmp_path / name).touch()
+    with pytest.raises(RecordingError) as caught:
+        check_labelled([tmp_path])
+    assert caught.value.hint == f"Give its recordings: {tmp_path}/{proposed.format(tmp_path)}"

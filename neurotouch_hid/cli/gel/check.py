@@ -64,7 +64,8 @@ def command(
         raise WrongUsage("The page shows a score while it changes.", hint="Add --live.")
     if live and as_json:
         raise WrongUsage(
-            "--json prints one score, and --live lines for people.", hint="Leave one of them away."
+            "Option --json prints one score, and --live lines for people.",
+            hint="Leave one of them away.",
         )
     gel_file = load_gel_file(find_gel_file(gel, source))
     plan = make_plan(gel_file.settings)
