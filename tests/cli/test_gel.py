@@ -142,6 +142,17 @@ def test_a_simulated_gel_is_checked():
         assert {each["check"] for each in score["findings"]} >= {"dots", "glare", "focus", "scale"}
 
 
+def test_a_gel_that_could_not_be_made_so_is_checked(home):
+    """The marker gel of docs/gel-format.md: nobody asks for room for an LED ring below it."""
+    layout = "layout: {kind: grid, columns: 10, rows: 8, pitch_mm: 2.03}\n"
+    (home / "mini.yaml").write_text(f"{layout}dot_mm: 0.63\ndots: dark\ndome_height_mm: 0\n")
+    output, _ = run("check", "sim:rest", "--gel", "mini.yaml", "--json")
+    assert json.loads(output)["findings"][0]["check"] == "gel"
+    output, code = run("make", "out", "--gel", "mini.yaml")
+    assert code == 1
+    assert "no room for the LED ring" in output
+
+
 def test_a_person_who_turns_the_lens_hears_what_changes():
     output, code = run("check", "sim:push-left", "--live")
     assert code == 0

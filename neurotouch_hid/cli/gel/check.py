@@ -68,7 +68,7 @@ def command(
             hint="Leave one of them away.",
         )
     gel_file = load_gel_file(find_gel_file(gel, source))
-    plan = make_plan(gel_file.settings)
+    plan = make_plan(gel_file.settings, is_made=True)
     view = GelView(source=source, gel=gel)
     planned = "making" in gel_file.settings.model_fields_set
     if live:
