@@ -175,16 +175,22 @@ def explain_gel(gel: GelState) -> GelSentence:
     return GelSentence(head, why, fix)
 
 
-def require_gel(gel: GelState, source: str = "this source") -> None:
+def require_gel(gel: GelState, source: str = "this source", *, is_told: bool = False) -> None:
     """Checks what is known of a gel at the end of a source.
 
     Args:
         gel: what is known.
         source: what a person calls the source.
+        is_told: a rig file said where the gel is.
 
     Raises:
         GelNotFoundError: no frame has shown it.
     """
+    if not gel.was_found and is_told:
+        raise GelNotFoundError(
+            f"No gel was found in {source} where its rig file says.",
+            hint="Correct NAME.rig.yaml beside it, or remove it: then the gel is searched for.",
+        )
     if not gel.was_found:
         sentence, made = explain_gel(gel), gel.layout
         called = "" if made is PAPER_GEL else f" '{made.name}' of {made.n_markers} dots"

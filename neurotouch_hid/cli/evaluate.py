@@ -89,6 +89,7 @@ def command(
 
         check_folder(report_path)
     methods = tuple(dict.fromkeys(methods))
+    echo("Playing (the first time compiles for this processor, half a minute or more).", err=True)
     evaluations = dict[str, Evaluation]()
     done = 0
 

@@ -113,7 +113,7 @@ def command(
 
     gel_path = find_gel_file(None, source)
     gel_file = load_gel_file(gel_path)
-    plan = make_plan(gel_file.settings)
+    plan = make_plan(gel_file.settings, is_made=True)
     guided = is_guided(source, "recorded")
     kind = find_source_kind(source)
     if led is not None and not guided:

@@ -275,7 +275,11 @@ class _Picture:
                 "Use a camera with 60 pictures/s or more.",
             )
         if error_mm > _MOST_ERROR_MM:
-            return warn(sentence, "More light makes the dots steadier; so does a sharper picture.")
+            return warn(
+                sentence,
+                "Was the gel touched? Then check again. If not: more light makes the dots "
+                "steadier; so does a sharper picture.",
+            )
         return approve(sentence)
 
     def _expect_error(self) -> float:

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Final, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from neurotouch_hid.driver.making_settings import Making
@@ -47,6 +47,11 @@ _NEEDS: Final[dict[str, tuple[str, ...]]] = {
 Length = Annotated[float, Field(ge=0.5, le=MOST_FAR_MM)]
 Coordinate = Annotated[float, Field(ge=-MOST_FAR_MM, le=MOST_FAR_MM)]
 Count = Annotated[int, Field(ge=2, le=200)]
+Pitch = Annotated[
+    Annotated[Length, Tag("<number>")]
+    | Annotated[list[Length], Field(min_length=2, max_length=2), Tag("<list>")],
+    Discriminator(lambda value: "<list>" if isinstance(value, list) else "<number>"),
+]
 
 
 def _key(description: str, unit: str | None = None) -> Any:
@@ -56,7 +61,7 @@ def _key(description: str, unit: str | None = None) -> Any:
 def _drop_null(schema: dict[str, Any]) -> None:
     """Leaves the forms of a key that may be left out but not be empty."""
     schema.pop("default")
-    schema["anyOf"].pop()
+    schema["anyOf"] = schema["anyOf"][0]["oneOf"]
     schema["x-unit"] = "mm"
 
 
@@ -68,7 +73,7 @@ class Layout(Strict):
         "same with rows shifted by half of the pitch. rings: one dot in the middle and 6, 12, "
         "18, ... dots on rings around it. grid: a rectangle. points: a list. No default."
     )
-    pitch_mm: Length | Annotated[list[Length], Field(min_length=2, max_length=2)] | None = Field(
+    pitch_mm: Pitch | None = Field(
         default=None,
         description="Distance of neighbours in mm, from centre to centre; of a grid also [x, y]. "
         "Default: none.",
@@ -171,7 +176,9 @@ class GelSettings(SettingsFile):
     """The file ``gel.yaml``."""
 
     name: Annotated[str, Field(pattern=NAME_PATTERN)] = Field(
-        default="own", description="What you call the gel. Default: own."
+        default="own",
+        description="What you call the gel: small letters, digits, _ and -, at most 64. "
+        "Default: own.",
     )
     layout: Layout = Field(description="Where the dots are. No default.")
     dot_mm: Annotated[float, Field(ge=0.2, le=20.0)] = Field(

@@ -22,7 +22,9 @@ class Camera(Strict):
     """The camera below the gel, as a pinhole: the numbers of a webcam if nothing else is said."""
 
     name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9 ._-]{0,39}$")] = Field(
-        default="webcam", description="What you call the camera. Default: webcam."
+        default="webcam",
+        description="What you call the camera: letters, digits, spaces, dots, _ and -, at most 40. "
+        "Default: webcam.",
     )
     width_px: Pixels = Field(
         default=1280,

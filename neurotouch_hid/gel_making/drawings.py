@@ -87,7 +87,7 @@ def draw_cut(plan: Plan) -> Sheet:
     x = plan.flange + 6.0
     tall = f"{plan.height:g} mm high" if plan.height else "flat"
     facts = [
-        (plan.height + plan.skin, f"skin: {2 * plan.radius:g} mm wide, {tall}"),
+        (plan.height + plan.skin, f"skin: {2 * plan.radius:.4g} mm wide, {tall}"),
         (-0.5 * plan.distance, f"{plan.distance:.0f} mm from the rim to the lens"),
         (eye, f"lens: {plan.camera.view_deg:g}° from top to bottom"),
     ]
@@ -129,7 +129,7 @@ def draw_dots(plan: Plan) -> Sheet:
 
 def draw_wiring() -> Sheet:
     """Returns the circuit of the LED ring, and of the transistor that may switch it."""
-    sheet = Sheet(150.0, 92.0, "Circuit of the LED ring, and of a strobe")
+    sheet = Sheet(160.0, 92.0, "Circuit of the LED ring, and of a strobe")
     rail, ground = 14.0, 62.0
     sheet.line((8.0, rail), (102.0, rail), width=0.4)
     sheet.line((24.0, ground), (102.0, ground), width=0.4)

@@ -54,7 +54,7 @@ def write_page(plan: Plan, parts: Sequence[Part], needs: Sequence[Need]) -> str:
         f"<title>Make the gel {name}</title><style>{_STYLE}</style></head><body><main>",
         f"<h1>{_TITLES[plan.way]}</h1>",
         f"<p>Gel “{name}”: {gel.n_markers} dots of {gel.dot_mm:g} mm, {gel.pitch_mm:.3g} mm "
-        f"apart, {2 * plan.radius:g} mm wide, {high}. Camera "
+        f"apart, {2 * plan.radius:.4g} mm wide, {high}. Camera "
         f"“{escape(plan.camera.name)}”, {plan.distance:.0f} mm below.</p>",
         '<section class="untested"><h2 style="margin-top:0">Nobody has built this yet</h2>',
         "<p>A program has drawn all of this, and programs have checked it. No person has made it. "

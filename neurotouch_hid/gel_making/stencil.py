@@ -49,7 +49,7 @@ def _describe(plan: Plan) -> str:
     colour = "light dots on a dark skin" if gel.light else "dark dots on a light skin"
     return (
         f"Dots {gel.dot_mm:g} mm wide, {gel.pitch_mm:.3g} mm apart; {colour}. "
-        f"Inner circle {2 * plan.radius:g} mm."
+        f"Inner circle {2 * plan.radius:.4g} mm."
     )
 
 

@@ -20,6 +20,7 @@ from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GestureKi
 from neurotouch_hid.partial_file import write_whole
 from neurotouch_hid.printable import make_printable
 from neurotouch_hid.recording.check import check_recording
+from neurotouch_hid.vocabulary import RECORDING_ENDINGS
 
 if TYPE_CHECKING:
     import _csv
@@ -93,9 +94,9 @@ def check_labelled(recordings: Iterable[Path]) -> None:
     """
     for path in recordings:
         if path.is_dir():
-            raise RecordingError(
-                f"'{path}' is a folder.", hint=f"Give its recordings: {path}/*.aedat4"
-            )
+            there = [each for each in RECORDING_ENDINGS if any(path.glob(f"*{each}"))]
+            hint = " ".join(f"{path}/*{each}" for each in there or RECORDING_ENDINGS[:1])
+            raise RecordingError(f"'{path}' is a folder.", hint=f"Give its recordings: {hint}")
         check_recording(path)
         if not labels_path(path).exists():
             raise _refuse_unlabelled(labels_path(path))
@@ -131,8 +132,6 @@ def read_labels(path: Path | str, size_px: tuple[int, int] | None = None) -> lis
         reason = f"'{path}' cannot be read: {error.strerror}."
         again = "Save it again as CSV in UTF-8." if error.errno == errno.EILSEQ else None
         raise RecordingError(reason, hint=suggest_reading(error, again)) from error
-    except csv.Error as error:
-        raise RecordingError(f"'{path}' is not a CSV file: {error}.") from error
     if not truths:
         raise RecordingError(
             f"'{path}' has no labels.", hint="Write one row for each labelled moment."
@@ -166,14 +165,28 @@ class _Row:
         return float(self.values[column])
 
 
+def _read_rows(path: Path, reader: "_csv.Reader") -> Iterator[list[str]]:
+    line = 1
+    try:
+        for cells in reader:
+            yield cells
+            line = reader.line_num + 1
+    except csv.Error as error:
+        raise RecordingError(
+            f"{path}:{line}: a quotation mark is missing, or one is too many.",
+            hint="Labels need no quotation marks: remove those of this row.",
+        ) from error
+
+
 def _parse(path: Path, reader: "_csv.Reader", size_px: tuple[int, int]) -> Iterator[Truth]:
-    header = [name.strip() for name in next(reader, [])]
+    rows = _read_rows(path, reader)
+    header = [name.strip() for name in next(rows, [])]
     if tuple(header) != COLUMNS:
         raise RecordingError(
             f"{path}:1: {_header_fault(header)}.", hint="The header is: " + ",".join(COLUMNS)
         )
     before_us: int | None = None
-    for cells in reader:
+    for cells in rows:
         if not cells:
             continue
         place = f"{path}:{reader.line_num}"
@@ -197,6 +210,8 @@ def _header_fault(header: list[str]) -> str:
     unknown = [name for name in header if name not in COLUMNS]
     if missing:
         return f"column {missing[0]} is missing"
+    if unknown == [""] * len(unknown) and unknown:
+        return f"column {header.index('') + 1} has no name"
     if unknown:
         return f"unknown column '{make_printable(unknown[0][:SHOWN_COLUMNS])}'"
     return "the columns are in another order or appear twice"

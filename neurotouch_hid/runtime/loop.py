@@ -106,6 +106,6 @@ def run_pipeline(
         device.neutral()
         pipeline.close()
     if stop is None or not stop.is_set():
-        require_gel(pipeline.gel)
+        require_gel(pipeline.gel, is_told=getattr(source, "rig", None) is not None)
     sensor_s = 0.0 if first_us is None or last_us is None else (last_us - first_us) / 1e6
     return LoopStats(slices, events, sensor_s, time.perf_counter() - begun)

@@ -98,10 +98,10 @@ class _Reader:
     def read(self) -> RigFile:
         for key, mark in self._document.keys.items():
             if key not in KEYS:
-                meant = suggest(key, KEYS) or f"known are {', '.join(KEYS)}"
+                meant = suggest(key, KEYS) or f"known are {', '.join(KEYS)}."
                 place = _format_place(self._path, mark)
                 name = make_printable(key[:SHOWN_COLUMNS])
-                raise RecordingError(f"{place}: unknown key {name}; {meant}.")
+                raise RecordingError(f"{place}: unknown key {name}; {meant}")
         mirrored = self._values.get("mirrored", False)
         if not isinstance(mirrored, bool):
             raise self._error("mirrored", "true or false")

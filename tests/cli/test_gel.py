@@ -58,6 +58,9 @@ def test_from_the_questions_to_the_folder_without_a_terminal(home):
     assert "--force" in output
     assert run("make", "out", "--force")[1] == 0
     assert {each.name: each.read_bytes() for each in (home / "out").iterdir()} == first
+    (home / "out/pegs.stl").write_text("of an older plan")
+    output, _ = run("make", "out", "--force")
+    assert "not of this plan: pegs.stl." in output
 
 
 def test_a_file_that_is_there_stays(home):
@@ -80,6 +83,12 @@ def test_the_same_figures_as_json():
     assert 0.55 < figures["fill"] < 0.61
 
 
+def test_a_width_that_was_calculated_is_rounded(home):
+    layout = "layout: {kind: grid, columns: 10, rows: 8, pitch_mm: [4, 5]}\n"
+    (home / "grid.yaml").write_text(layout)
+    assert "on a gel 52.21 mm wide" in run("show", "grid.yaml")[0]
+
+
 @pytest.mark.parametrize(
     ("words", "code", "part"),
     [
@@ -91,6 +100,7 @@ def test_the_same_figures_as_json():
         (("show", "nothing.yaml"), 6, "nothing.yaml"),
         (("make", "out", "--gel", "nothing"), 6, "nothing"),
         (("check", "sim:nothing"), 3, "nothing"),
+        (("check", "sim:rest", "--live", "--json"), 2, "--live lines for people"),
         (("check", "file:none.aedat4"), 4, "none.aedat4"),
     ],
 )
@@ -130,6 +140,17 @@ def test_a_simulated_gel_is_checked():
     if score["figures"]["found"]:
         assert code == 0
         assert {each["check"] for each in score["findings"]} >= {"dots", "glare", "focus", "scale"}
+
+
+def test_a_gel_that_could_not_be_made_so_is_checked(home):
+    """The marker gel of docs/gel-format.md: nobody asks for room for an LED ring below it."""
+    layout = "layout: {kind: grid, columns: 10, rows: 8, pitch_mm: 2.03}\n"
+    (home / "mini.yaml").write_text(f"{layout}dot_mm: 0.63\ndots: dark\ndome_height_mm: 0\n")
+    output, _ = run("check", "sim:rest", "--gel", "mini.yaml", "--json")
+    assert json.loads(output)["findings"][0]["check"] == "gel"
+    output, code = run("make", "out", "--gel", "mini.yaml")
+    assert code == 1
+    assert "no room for the LED ring" in output
 
 
 def test_a_person_who_turns_the_lens_hears_what_changes():

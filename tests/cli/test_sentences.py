@@ -131,6 +131,13 @@ def test_question_with_numbers_says_which_can_be_typed():
     assert told.output.count("Error: Type a number from 1 to 2.") == 2
 
 
+def test_enter_takes_the_choice_in_brackets():
+    asked = click.Command("ask", callback=lambda: choose("Which?", ["one", "two"], default=1))
+    told = CliRunner().invoke(asked, input="\n", standalone_mode=False)
+    assert told.return_value == 1
+    assert "Number [2]:" in told.output
+
+
 @pytest.mark.parametrize(
     ("stamp", "told"),
     [

@@ -31,10 +31,10 @@ MIDDLE = (172.5, 129.5)
 N_FRAMES = 30
 
 
-def simulate(config=None, n=N_FRAMES):
-    """Frames of a gel at rest."""
+def simulate(config=None, n=N_FRAMES, scene="rest"):
+    """Frames of a gel, at rest if no other scene is given."""
     frames = []
-    with Simulator(find_scene("rest"), config or SimulatorConfig()) as source:
+    with Simulator(find_scene(scene), config or SimulatorConfig()) as source:
         for packet in source:
             frames += packet.frames
             if len(frames) >= n:
@@ -90,6 +90,11 @@ def test_a_good_gel_has_no_fault(good):
     assert 0.15 < figures["intensity_error_mm"] < 0.3
     assert result.line.startswith("177 of 177 dots; blurred by 0.")
     assert result.line.endswith("; all in order")
+
+
+def test_dots_that_a_hand_moves_are_not_blamed_on_the_light_alone():
+    bad = troubles(score(simulate(n=45, scene="push-left")[-N_FRAMES:]))
+    assert bad["intensity"].fix.startswith("Was the gel touched? Then check again.")
 
 
 def test_three_missing_dots_are_named(good):

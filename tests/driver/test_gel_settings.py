@@ -112,12 +112,24 @@ LAYOUT = "layout: {kind: square, pitch_mm: 4, radius_mm: 30}\n"
             "dots 1 and 40 are 0 mm apart",
         ),
         (LAYOUT + "dot_mm: 4\n", ":1:", "larger distances, or a smaller 'dot_mm'"),
+        (
+            "layout: {kind: hex, pitch_mm: 0.1, radius_mm: 30}\n",
+            ":1:31",
+            "layout.pitch_mm: 0.1 is too small, at least 0.5 mm",
+        ),
+        (
+            "layout: {kind: grid, columns: 9, rows: 9, pitch_mm: [4, x]}\n",
+            ":1:57",
+            "layout.pitch_mm[1]: needs a number, not 'x'",
+        ),
+        (LAYOUT + "version: 1.0\n", ":2:10", "write 1\n"),
+        (LAYOUT + "making: {camera: {name: a/b}}\n", ":2:25", "'a/b' is empty, too long, or has"),
     ],
 )
 def test_mistakes_are_told_with_their_place(tmp_path, text, place, words):
     with pytest.raises(ProfileError) as caught:
         read(tmp_path, text)
-    said = f"{caught.value.message} {caught.value.hint or ''}"
+    said = f"{caught.value.message}\n{caught.value.hint or ''}"
     assert f"a.gel.yaml{place}" in said
     assert words in said
 

@@ -106,6 +106,15 @@ def test_missing_labels_are_told_before_anything_is_played(recordings, tmp_path)
     assert not done
 
 
+def test_the_command_says_at_once_that_the_first_time_takes_longer(recordings, monkeypatch):
+    def stop(*_, **__):
+        raise NeuroTouchError("stopped")
+
+    monkeypatch.setattr("neurotouch_hid.evaluation.accuracy.evaluate_files", stop)
+    told = CliRunner().invoke(command, [str(recordings[0])])
+    assert "the first time compiles for this processor" in told.output
+
+
 def test_a_recording_without_a_gel_is_refused(recordings, tmp_path):
     path = tmp_path / "dark.aedat4"
     events = np.array([(t, 5, 5, True) for t in range(0, 400_000, 1_000)], EVENT_DTYPE)
@@ -120,6 +129,16 @@ def test_a_recording_without_a_gel_is_refused(recordings, tmp_path):
     path.with_suffix(".gel.yaml").write_text(made)
     with pytest.raises(GelNotFoundError, match=r"No gel 'mine' of 127 dots was found in '"):
         evaluate_files([path], PAPER)
+
+
+def test_a_rig_file_that_says_the_wrong_place_is_named(recordings, tmp_path):
+    path = tmp_path / "push.aedat4"
+    path.write_bytes(recordings[0].read_bytes())
+    labels_path(path).write_bytes(labels_path(recordings[0]).read_bytes())
+    path.with_suffix(".rig.yaml").write_text("centre_px: [60, 60]\npx_per_mm: 2.5\n")
+    with pytest.raises(GelNotFoundError, match="where its rig file says") as caught:
+        evaluate_files([path], PAPER)
+    assert "NAME.rig.yaml" in caught.value.hint
 
 
 def test_labels_in_another_time_are_refused(recordings, tmp_path):

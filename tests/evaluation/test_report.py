@@ -227,6 +227,7 @@ def test_numbers_are_those_of_the_json(folder, page, evaluations):
     report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
     expected = combine_reports({name: each.report() for name, each in evaluations.items()}, ORIGIN)
     assert report == json.loads(json.dumps(expected))
+    assert "; methods <strong>" in (folder / "report.html").read_text(encoding="utf-8")
     published = {0.9112, 0.8322, 3.41, 0.96, 0.9403}
     assert set(page.numbers) <= set(map(float, numbers_of(report))) | published
     assert published <= set(page.numbers)

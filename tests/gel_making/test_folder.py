@@ -11,7 +11,9 @@ import pytest
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.gel_making import shapes
 from neurotouch_hid.gel_making.cameras import WAYS
+from neurotouch_hid.gel_making.drawings import draw_wiring
 from neurotouch_hid.gel_making.folder import PAGE, make_files, write_folder
+from neurotouch_hid.gel_making.sheet import Words
 from tests.gel_making.plans import plan, write
 
 ALWAYS = {
@@ -61,6 +63,13 @@ def test_the_parts_list_names_no_maker():
         words = str(rows).lower()
         for maker in ("ecoflex", "dragon", "sylgard", "ninja", "logitech", "arduino", "ws2812"):
             assert maker not in words
+
+
+def test_no_words_of_the_circuit_are_cut_off():
+    sheet = draw_wiring()
+    words = [each for each in sheet.shapes if isinstance(each, Words)]
+    wide = 0.52  # of a letter, in its size, where there is no Helvetica
+    assert max(word.x + wide * word.size * len(word.text) for word in words) < sheet.width
 
 
 def test_a_folder_that_is_not_empty_stays_as_it_is(tmp_path):

@@ -72,6 +72,13 @@ def test_the_pdf_has_the_same_dots_and_a_ruler_of_50_mm(made):
     assert f"{x:.3f} {y:.3f} m {x + 50.0:.3f} {y:.3f} l" in text
 
 
+def test_words_of_the_pdf_are_in_the_middle():
+    """Adobe's table of Helvetica gives these words 6.416 sizes of 4 mm, so 25.7 mm."""
+    text = draw_stencil(plan(way="evening")).write_pdf().decode("latin-1")
+    x = float(re.search(r"([\d.]+) [\d.]+ Tm \(the user's side\)", text)[1])
+    assert x + 0.5 * 25.7 == pytest.approx(MIDDLE[0], abs=1.0)
+
+
 def test_another_program_draws_the_pdf(tmp_path):
     program = shutil.which("pdftocairo") or shutil.which("mutool")
     if program is None:

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.messages import GestureKind, Truth
-from neurotouch_hid.recording import labels_path, read_labels, write_labels
+from neurotouch_hid.recording import check_labelled, labels_path, read_labels, write_labels
 
 HEADER = "timestamp_us,gesture,intensity_mm,contacts,x1_px,y1_px,x2_px,y2_px,x3_px,y3_px"
 millimetres = st.integers(0, 40_000).map(lambda n: n / 1000)
@@ -84,6 +84,8 @@ def test_a_spreadsheet_may_have_saved_it(tmp_path):
         ("5,push,1,1,1,2", "2: expected 10 columns, found 6"),
         ("5,none,0,0,,,,,,\n5,none,0,0,,,,,,", "3: column timestamp_us: expected a time after the "
          "row before (5), found '5'"),
+        ('5,none,0,0,,,,,,\n6,"push,1,1,1,2,,,,\n7,none,0,0,,,,,,', ":3: a quotation mark is"),
+        ('5,"push"x,1,1,1,2,,,,', ":2: a quotation mark is missing, or one is too many."),
         ("", " has no labels"),
     ],
 )  # fmt: skip
@@ -104,6 +106,7 @@ def test_wrong_rows(tmp_path, rows, words):
         (HEADER.replace(",", ";"), "1: the columns are separated by semicolons, not by commas"),
         (HEADER.replace(",", "\t"), "1: the columns are separated by tabs, not by commas"),
         (HEADER + ",note", "1: unknown column 'note'"),
+        (HEADER + ",", "1: column 11 has no name"),
         (HEADER.replace("gesture,intensity_mm", "intensity_mm,gesture"), "another order"),
     ],
 )
@@ -121,3 +124,19 @@ def test_missing_and_not_text(tmp_path):
     with pytest.raises(RecordingError, match="is not UTF-8 text") as caught:
         read_labels(tmp_path / "b.labels.csv")
     assert caught.value.hint == "Save it again as CSV in UTF-8."
+
+
+@pytest.mark.parametrize(
+    ("names", "proposed"),
+    [
+        ((), "*.aedat4"),
+        (("a.mkv", "b.mkv"), "*.mkv"),
+        (("a.mp4", "b.aedat4"), "*.aedat4 {}/*.mp4"),
+    ],
+)
+def test_of_a_folder_what_is_in_it_is_proposed(tmp_path, names, proposed):
+    for name in names:
+        (tmp_path / name).touch()
+    with pytest.raises(RecordingError) as caught:
+        check_labelled([tmp_path])
+    assert caught.value.hint == f"Give its recordings: {tmp_path}/{proposed.format(tmp_path)}"

@@ -59,6 +59,7 @@ def test_bad_files(tmp_path, text, words):
     with pytest.raises(RecordingError) as caught:
         load(tmp_path, text)
     assert words in caught.value.message
+    assert "?." not in caught.value.message
     assert "\n" not in caught.value.message
 
 

@@ -31,7 +31,8 @@ _FIRST: Final = {"title": "Check a gel", "request": "The camera is being opened.
 @click.option(
     "--live",
     is_flag=True,
-    help="Print a line twice a second while you turn the lens, until Ctrl-C.",
+    help="Print a line at each change while you turn the lens, at most twice a second, until "
+    "Ctrl-C.",
 )
 @page_option
 @open_option
@@ -61,8 +62,13 @@ def command(
     check_source(source)
     if (with_page or open_browser) and not live:
         raise WrongUsage("The page shows a score while it changes.", hint="Add --live.")
+    if live and as_json:
+        raise WrongUsage(
+            "Option --json prints one score, and --live lines for people.",
+            hint="Leave one of them away.",
+        )
     gel_file = load_gel_file(find_gel_file(gel, source))
-    plan = make_plan(gel_file.settings)
+    plan = make_plan(gel_file.settings, is_made=True)
     view = GelView(source=source, gel=gel)
     planned = "making" in gel_file.settings.model_fields_set
     if live:

@@ -31,4 +31,7 @@ def command(out: Path, gel: str | None, force: bool) -> None:
     files = make_files(plan, gel_file.content)
     write_folder(out, files, replace=force)
     echo(f"{len(files)} files for {gel_file.name} (way '{plan.way}') are in {out}.")
+    solids = (path.name for path in out.iterdir() if path.suffix in {".stl", ".3mf"})
+    if others := sorted(set(solids) - set(files)):
+        echo(f"In the folder, but not of this plan: {', '.join(others)}.")
     echo(f"Begin with {out / PAGE}. Nobody has built this yet.")

@@ -59,7 +59,7 @@ def command(file: str | None, svg: Path | None, plain: bool, as_json: bool) -> N
     echo(f"{gel_file.name}: gel '{gel.name}', way '{plan.way}'")
     echo(
         f"{gel.n_markers} dots of {gel.dot_mm:g} mm, {gel.pitch_mm:.3g} mm apart, on a gel "
-        f"{2 * plan.radius:g} mm wide and {plan.height:g} mm high."
+        f"{2 * plan.radius:.4g} mm wide and {plan.height:g} mm high."
     )
     echo(
         f"Camera '{camera.name}': {camera.width_px} x {camera.height_px} px, "

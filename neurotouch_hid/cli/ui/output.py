@@ -189,7 +189,7 @@ def choose(question: str, choices: Sequence[str], *, default: int | None = None)
     echo(question)
     for number, choice in enumerate(choices, 1):
         echo(f"  {number}. {choice}")
-    shown = None if default is None else default + 1
+    shown = None if default is None else str(default + 1)  # goes through `read` like an answer
 
     def read(answer: str) -> int:
         if answer.strip() in map(str, range(1, len(choices) + 1)):

@@ -171,7 +171,7 @@ def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:
             begin_us = some[0][0].packet.t_begin_us if span_us is None else span_us[0]
             span_us = begin_us, some[-1][0].packet.t_end_us
         comparison.tally.host_s = time.perf_counter() - begun
-        require_gel(driver.pipeline.gel, f"'{path}'")
+        require_gel(driver.pipeline.gel, f"'{path}'", is_told=driver.source.rig is not None)
         if span_us is not None and not comparison.tally.confusion.any():
             raise _refuse_times(path, labels, span_us)
         seen = [map_truth(label, find_view()) for label in labels]

@@ -11,6 +11,7 @@ from neurotouch_hid.files.yaml_document import Node, find_key_mark, find_mark, f
 from neurotouch_hid.printable import make_printable
 from neurotouch_hid.profile.schema.targets import MICE
 from neurotouch_hid.profile.schema.tree import find_model
+from neurotouch_hid.vocabulary import NAME_PATTERN
 
 _NEEDS: Final = {
     "float_type": "needs a number",
@@ -142,6 +143,8 @@ def _word(detail: Mapping[str, Any], keys: Keys, node: Node | None) -> tuple[str
             sentence = f"needs a finite number, not {value}"
         case "string_pattern_mismatch":
             sentence = "needs 1 to 64 small letters, digits, _ or -"
+            if context["pattern"] != NAME_PATTERN:
+                sentence = f"{value} is empty, too long, or has a sign that is not possible here"
         case "string_too_long":
             sentence = f"is longer than {context['max_length']} characters"
         case "too_short":
@@ -158,7 +161,7 @@ def _word(detail: Mapping[str, Any], keys: Keys, node: Node | None) -> tuple[str
             ):
                 hint = f'write "{make_printable(str(node.value))[:40]}"'
             elif node is not None and kind in ("float_type", "int_type"):
-                hint = _propose_number(str(node.value), _unit(keys).strip())
+                hint = _propose_number(str(node.value), _unit(keys).strip(), kind == "int_type")
             elif node is not None and kind == "list_type" and isinstance(node.value, str):
                 hint = f"write [{make_printable(node.value)[:40]}]"
         case _:
@@ -182,12 +185,15 @@ def _show(node: Node | None) -> str:
     return str(node.value)
 
 
-def _propose_number(written: str, unit: str) -> str:
+def _propose_number(written: str, unit: str, is_whole: bool) -> str:
     """Returns the number that is meant by ``4,5`` or ``4 mm``, as a hint; or nothing."""
     found = re.fullmatch(r"([+-]?\d+)(?:[.,](\d+))?\s*([a-z/]*)", written.strip())
     if found is None or found[3] not in ("", unit):
         return ""
-    return f"write {found[1]}" + (f".{found[2]}" if found[2] else "")
+    part = (found[2] or "").rstrip("0") if is_whole else found[2]
+    if is_whole and part:
+        return ""
+    return f"write {found[1]}" + (f".{part}" if part else "")
 
 
 def _unit(keys: Keys) -> str:

@@ -116,7 +116,10 @@ def read_field_table(path: Path) -> FieldTable:
     except OSError as error:
         raise RecordingError(f"'{path}' cannot be read: {error.strerror}.") from error
     except csv.Error as error:
-        raise RecordingError(f"'{path}' is not a CSV file: {error}.") from error
+        raise RecordingError(
+            f"'{path}' has a quotation mark too many, or one is missing.",
+            hint="A table needs none: remove them.",
+        ) from error
     if not rows or tuple(name.strip() for name in rows[0]) != COLUMNS:
         raise RecordingError(
             f"{path}:1: expected the columns {','.join(COLUMNS)}.", hint="Write them as first line."
@@ -169,7 +172,8 @@ def _read_integer(place: str, column: str, cell: str) -> int:
 def _read_mm(place: str, column: str, cell: str) -> float:
     number = float(cell) if _NUMBER.fullmatch(cell.strip()) else np.inf
     if abs(number) > _LARGEST_MM:
-        raise _refuse(place, column, "a number of millimetres", cell)
+        limit = f"{_LARGEST_MM:g}"
+        raise _refuse(place, column, f"millimetres from -{limit} to {limit}", cell)
     return number
 
 

@@ -60,7 +60,8 @@ def _introduce(reports: Reports) -> str:
     )
     return (
         f"{n_files} recording{'s' if n_files > 1 else ''}, {slices} slices of 10 ms compared with "
-        f"labels, {frames} frames, {events} events; method {methods}."
+        f"labels, {frames} frames, {events} events; {'method' if len(reports) == 1 else 'methods'} "
+        f"{methods}."
     )
 
 
