@@ -82,7 +82,9 @@ def make_method(config: GestureConfig, gel: Gel = PAPER_GEL) -> Recognition:
         raise PluginError(
             f"There is no method '{config.method}'.", hint=f"Methods: {', '.join(list_methods())}."
         )
-    return _Checked(plugin, plugin.make(config))
+    method = plugin.make(config)
+    with plugin.running():
+        return _Checked(plugin, method)
 
 
 _UPDATE: Final = ("t_us", "step_us", "rest_px", "moved_px", "use", "rig")
