@@ -279,6 +279,13 @@ def test_what_is_wrong_in_a_package_is_said_in_one_sentence(installed, points, a
         ({"intensity_mm": math.nan}, "returned nan as intensity_mm"),
         ({"confidence": 1.5}, "returned 1.5 as confidence"),
         ({"scale": None}, "returned None as scale"),
+        ({"scale": np.float32(1.0)}, f"returned {np.float32(1.0)!r} as scale"),
+        ({"rotation_rad": 1e300}, "returned 1e+300 as rotation_rad"),
+        ({"translation_mm": (np.float32(1.0), 0.0)}, "as translation_mm"),
+        (
+            {"contacts_mm": np.full((1, 2), math.nan), "contacts_px": np.zeros((1, 2))},
+            "returned a contact that is nowhere",
+        ),
         ({"translation_mm": None}, "returned None as translation_mm"),
         ({"translation_mm": (0.0, 0.0, 0.0)}, "as translation_mm"),
         ({"translation_mm": (0.0, math.nan)}, "as translation_mm"),

@@ -78,8 +78,8 @@ class WebSocketServer(Sender):
         except OSError as error:
             self._loop.close()
             # asyncio writes a sentence of its own; a name that is not known has no such number.
-            is_known = error.errno is not None and error.errno > 0
-            reason = os.strerror(error.errno) if is_known else error.strerror
+            number = error.errno or 0
+            reason = os.strerror(number) if number > 0 else error.strerror
             raise StreamError(
                 f"Cannot listen at {host}:{port}: {reason}.",
                 hint="Give an address of this machine and a port that is free, for example "
