@@ -81,7 +81,11 @@ class Gel(Closing):
         """
         while True:
             self._require_open()
-            touch = next(self._touches, None)
+            try:
+                touch = next(self._touches, None)
+            except NeuroTouchError:
+                self._require_open()  # another thread may have closed it meanwhile
+                raise
             if touch is None:
                 return
             yield touch

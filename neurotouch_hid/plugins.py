@@ -68,10 +68,12 @@ class Plugin:
         """
         try:
             make = self.point.load()
-        except (Exception, SystemExit) as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
             raise PluginError(
                 f"'{self.point.name}' of the package {find_owner(self.point)} cannot be loaded: "
-                f"{type(error).__name__}: {error}.",
+                f"{_name_error(error)}.",
                 hint="Fix it, update it, or uninstall it.",
             ) from error
         what = f"'{self.point.value}' of the package {find_owner(self.point)}"
@@ -88,13 +90,13 @@ class Plugin:
         """
         try:
             yield
-        except NeuroTouchError:
+        except (NeuroTouchError, KeyboardInterrupt, GeneratorExit):
             raise
-        except (Exception, SystemExit) as error:  # the latter would end us without a word
+        except BaseException as error:  # a SystemExit would end us without a word
             kind = "method" if self.point.group == METHODS else "source"
             raise PluginError(
                 f"The {kind} '{self.point.name}' of the package {find_owner(self.point)} failed: "
-                f"{type(error).__name__}: {error} ({self._locate(error)}).",
+                f"{_name_error(error)} ({self._locate(error)}).",
                 hint=f"Fix it there, or uninstall that package. {_WHOLE_TRACEBACK}",
             ) from error
 
@@ -131,6 +133,11 @@ def check_call(
 def find_owner(point: "EntryPoint") -> str:
     """Returns the name of the package that offers an entry point."""
     return point.dist.name if point.dist is not None else point.module
+
+
+def _name_error(error: BaseException) -> str:
+    said = str(error)
+    return f"{type(error).__name__}: {said}" if said else type(error).__name__
 
 
 def _find(group: Group) -> "EntryPoints":

@@ -132,12 +132,14 @@ def find_source_kind(name: str) -> SourceKind:
     """Returns the kind of a source.
 
     Args:
-        name: as a person writes it, for example ``sim:tour``, ``play.aedat4`` or ``play.mkv``.
+        name: as a person writes it, for example ``sim:tour``, ``play.aedat4`` or ``play.mkv``. What
+            begins with a word and a colon is a source of another package, however it ends.
     """
     kind, colon, _ = name.partition(":")
     if colon and kind in ("davis", "video", "events", "file", "sim", "driver"):
         return SourceKind(kind)
-    is_recording = name.lower().endswith(RECORDING_ENDINGS)
+    is_plugin = bool(colon) and kind.replace("-", "_").isidentifier()
+    is_recording = not is_plugin and name.lower().endswith(RECORDING_ENDINGS)
     return SourceKind.RECORDING if is_recording else SourceKind.OTHER
 
 

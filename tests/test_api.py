@@ -202,6 +202,19 @@ def test_a_driver_is_used_once_and_inside_its_block():
         driver.__enter__()
 
 
+def test_a_gel_that_another_thread_closes_says_so():
+    gel = open_gel("sim:push", speed="max")
+
+    def close_meanwhile():
+        gel.close()
+        raise NeuroTouchError("The driver is not open.")
+        yield
+
+    gel._touches = close_meanwhile()
+    with pytest.raises(NeuroTouchError, match="The gel is closed"):
+        list(gel)
+
+
 def test_a_closed_gel_is_not_opened_again():
     gel = open_gel("sim:push", speed="max")
     gel.close()

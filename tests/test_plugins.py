@@ -3,8 +3,10 @@
 import json
 import math
 import os
+import subprocess
 import sys
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +16,15 @@ from neurotouch_hid import Driver, DriverOptions, open_gel
 from neurotouch_hid.errors import PluginError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.gesture.method import make_method
-from tests.processes import run_command
+from neurotouch_hid.messages import (
+    EVENT_DTYPE,
+    SENSOR_HEIGHT_PX,
+    SENSOR_WIDTH_PX,
+    EventPacket,
+    Frame,
+)
+from neurotouch_hid.source import open_source
+from tests.processes import LIMIT_S, run_command, start_neurotouch
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 WRONG = """
@@ -32,6 +42,29 @@ class NoGesture(NoReset):
 class Raises(NoReset):
     def reset(self): ...
     def update(self, *_): return 1 / 0
+
+class Panics(NoReset):
+    class Panic(BaseException): ...
+    def reset(self): ...
+    def update(self, *_): raise self.Panic("index out of bounds")
+
+class Asserts(NoReset):
+    def reset(self): ...
+    def update(self, *_): assert False
+
+class RaisesAtReset(NoReset):
+    @property
+    def reset(self): raise ValueError("no state")
+
+class Loops(NoReset):
+    def reset(self): ...
+    left = 50
+    def update(self, t_us, *_):
+        self.left -= 1
+        if self.left < 0:
+            print("loops", flush=True)
+            while True: ...
+        return no_gesture(t_us)
 
 class Leaves(NoReset):
     def reset(self): ...
@@ -62,6 +95,17 @@ class Unready:
         if self.rest == "raises":
             raise KeyError("no frame")
         yield EventPacket(0, 10_000, np.zeros(3))
+
+class Given(Unready):
+    packets = ()
+    def __iter__(self): return iter(self.packets)
+
+class NoRig(Unready):
+    rig = "paper"
+
+class RaisesAtName(Unready):
+    @property
+    def name(self): raise ValueError("no serial")
 
 class Polled(Unready):
     def poll(self):
@@ -202,6 +246,16 @@ def test_names_are_offered_where_one_is_wrong(installed):
             ("--source", "bad:numbers"),
             "The source 'bad:' gave events of the dtype float64.",
         ),
+        (
+            {"neurotouch.sources": {"bad": "wrong:NoRig"}},
+            ("--source", "bad:x"),
+            "The source 'bad:' has 'paper' as rig.",
+        ),
+        (
+            {"neurotouch.sources": {"bad": "wrong:Unready"}},
+            ("--source", "bad:folder/play.aedat4"),
+            "The source 'bad:' gave events of the dtype float64.",
+        ),
     ],
 )
 def test_what_is_wrong_in_a_package_is_said_in_one_sentence(installed, points, arguments, sentence):
@@ -225,6 +279,13 @@ def test_what_is_wrong_in_a_package_is_said_in_one_sentence(installed, points, a
         ({"intensity_mm": math.nan}, "returned nan as intensity_mm"),
         ({"confidence": 1.5}, "returned 1.5 as confidence"),
         ({"scale": None}, "returned None as scale"),
+        ({"scale": np.float32(1.0)}, f"returned {np.float32(1.0)!r} as scale"),
+        ({"rotation_rad": 1e300}, "returned 1e+300 as rotation_rad"),
+        ({"translation_mm": (np.float32(1.0), 0.0)}, "as translation_mm"),
+        (
+            {"contacts_mm": np.full((1, 2), math.nan), "contacts_px": np.zeros((1, 2))},
+            "returned a contact that is nowhere",
+        ),
         ({"translation_mm": None}, "returned None as translation_mm"),
         ({"translation_mm": (0.0, 0.0, 0.0)}, "as translation_mm"),
         ({"translation_mm": (0.0, math.nan)}, "as translation_mm"),
@@ -243,9 +304,82 @@ def test_a_wrong_value_in_a_gesture_is_named(installed, monkeypatch, change, sen
     assert "must be" in caught.value.hint
 
 
+EVENT = np.zeros(1, EVENT_DTYPE)
+SLICE = EventPacket(0, 10_000, EVENT)
+PIXELS = np.zeros((SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX), np.uint8)
+
+
+def place(**values):
+    """One event with these values."""
+    event = EVENT.copy()
+    for name, value in values.items():
+        event[name] = value
+    return event
+
+
+@pytest.fixture
+def given(installed, monkeypatch):
+    """A source of another package that gives these packets."""
+    folder = installed("wrong", WRONG, {"neurotouch.sources": {"bad": "wrong:Given"}})
+    monkeypatch.syspath_prepend(folder)
+    sys.modules.pop("wrong", None)  # another test's
+
+    def give(*packets):
+        source = open_source("bad:", speed="max")
+        sys.modules["wrong"].Given.packets = packets
+        return source
+
+    return give
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"t_begin_us": np.int64(0)}, f"gave {np.int64(0)!r} as t_begin_us"),
+        ({"t_end_us": math.nan}, "gave nan as t_end_us"),
+        ({"gap": None}, "gave None as gap"),
+        ({"t_end_us": 0}, "a slice from 0 to 0 us"),
+        ({"t_end_us": 10**12}, "a slice from 0 to 1000000000000 us"),
+        ({"t_begin_us": -1, "t_end_us": 1}, "a slice from -1 us on after one that ended at 0 us"),
+        ({"events": None}, "events of the dtype None"),
+        ({"events": np.zeros((1, 1), EVENT_DTYPE)}, "events of the shape (1, 1)"),
+        ({"events": place(x=SENSOR_WIDTH_PX)}, "an event at x = 346"),
+        ({"events": place(y=-1)}, "an event at y = -1"),
+        ({"events": place(t=10_000)}, "an event at 10000 us in a slice from 0 to 10000 us"),
+        (
+            {"events": np.append(place(t=1), EVENT)},
+            "events that are not in the order of their time",
+        ),
+        ({"frames": None}, "frames of the type NoneType"),
+        ({"frames": (PIXELS,)}, "ndarray as a frame"),
+        ({"frames": (Frame(PIXELS[:10], 0, 1),)}, "a frame of uint8, (10, 346)"),
+        ({"frames": (Frame(PIXELS * 1.0, 0, 1),)}, "a frame of float64, (260, 346)"),
+        ({"frames": (Frame(PIXELS, 0, np.int64(1)),)}, "as exposure_end_us"),
+    ],
+)
+def test_a_wrong_packet_is_named_before_it_is_used(given, change, sentence):
+    before = replace(SLICE, t_begin_us=-10_000, t_end_us=0, events=EVENT[:0])
+    with pytest.raises(PluginError) as caught:
+        list(given(before, replace(SLICE, **change)))
+    assert caught.value.message.startswith("The source 'bad:' gave ")
+    assert sentence in caught.value.message
+    assert caught.value.hint
+
+
+def test_a_slice_may_come_in_part_before_it_comes_whole(given):
+    part = replace(SLICE, t_end_us=9_000, is_partial=True)
+    later = replace(SLICE, t_begin_us=50_000, t_end_us=60_000, events=EVENT[:0])
+    packets = (part, replace(SLICE, frames=(Frame(PIXELS, 0, 1),)), later)
+    assert tuple(given(*packets)) == packets
+
+
 FAILING = [
     ("method", "no_model", "ValueError: no model"),
     ("method", "Raises", "ZeroDivisionError: division by zero"),
+    ("method", "Panics", "Panic: index out of bounds"),
+    ("method", "Asserts", "AssertionError"),
+    ("method", "RaisesAtReset", "ValueError: no state"),
+    ("source", "RaisesAtName", "ValueError: no serial"),
     ("method", "Leaves", "SystemExit: 3"),
     ("source", "no_file", "FileNotFoundError: [Errno 2] No such file or directory: '/no/gel.dat'"),
     ("source", "Unready", "KeyError: 'no frame'"),
@@ -316,6 +450,25 @@ def test_a_method_that_fails_to_reset_is_named(imported):
     with pytest.raises(PluginError) as caught:
         method.reset()
     assert caught.value.message.startswith(said)
+
+
+def test_a_second_signal_ends_a_method_that_does_not_return(installed, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    folder = installed("wrong", WRONG, {"neurotouch.methods": {"bad": "wrong:Loops"}})
+    words = ("run", "--method", "bad", "--source", "sim:push", "--device", "memory")
+    environment = {**os.environ, "PYTHONPATH": str(folder)}
+    with start_neurotouch(*words, "--show", "nothing", env=environment) as playing:
+        try:
+            assert playing.stdout.readline() == "loops\n"
+            playing.terminate()
+            with pytest.raises(subprocess.TimeoutExpired):
+                playing.wait(1.5)
+            playing.terminate()
+            _, said = playing.communicate(timeout=LIMIT_S)
+        finally:
+            playing.kill()
+    assert playing.returncode == 1
+    assert "The method 'bad' of the package wrong failed: NotReturned: it does not return" in said
 
 
 def test_the_whole_traceback_can_be_had(installed):

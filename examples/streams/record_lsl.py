@@ -32,4 +32,6 @@ def main(path: Path, seconds: float) -> None:
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit("Usage: record_lsl.py FILE SECONDS")
     main(Path(sys.argv[1]), float(sys.argv[2]))

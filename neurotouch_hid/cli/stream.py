@@ -15,6 +15,7 @@ from neurotouch_hid.errors import StreamError
 if TYPE_CHECKING:
     from neurotouch_hid.stream import Sender
 
+MOST_HZ = 60
 ROS2: tuple[str, ...] = ("ros2", "run", "neurotouch_ros", "publish")
 
 
@@ -47,8 +48,8 @@ class StreamAddress(click.ParamType):  # type: ignore[type-arg]  # generic from 
 @click.option(
     "--rate",
     "hz",
-    type=click.IntRange(1, 60),
-    default=60,
+    type=click.IntRange(1, MOST_HZ),
+    default=MOST_HZ,
     show_default=True,
     help="States a second.",
 )
@@ -62,6 +63,11 @@ def command(address: Any, markers: bool, hz: int, seconds: float | None) -> None
     from neurotouch_hid.stream import open_target
 
     if address.kind == "ros2":
+        if hz != MOST_HZ or seconds is not None:
+            raise WrongUsage(
+                "The ROS 2 node has no --rate and no --seconds.",
+                hint="Leave them out. Ctrl-C ends the node.",
+            )
         _run_ros2(markers=markers)
     end_s = float("inf") if seconds is None else time.monotonic() + seconds
     with open_target(address, markers=markers) as target:

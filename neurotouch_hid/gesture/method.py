@@ -1,8 +1,6 @@
 """Interface of methods, and ``make_method``, which finds one by its name."""
 
-import math
 from collections.abc import Iterator
-from numbers import Real
 from typing import Any, Final, Protocol
 
 import numpy as np
@@ -82,14 +80,18 @@ def make_method(config: GestureConfig, gel: Gel = PAPER_GEL) -> Recognition:
         raise PluginError(
             f"There is no method '{config.method}'.", hint=f"Methods: {', '.join(list_methods())}."
         )
-    return _Checked(plugin, plugin.make(config))
+    method = plugin.make(config)
+    with plugin.running():
+        return _Checked(plugin, method)
 
 
 _UPDATE: Final = ("t_us", "step_us", "rest_px", "moved_px", "use", "rig")
+_MOST: Final = 1e6
+"""Larger numbers make no sense, and streams could not send them."""
 _RANGES: Final = (
-    ("intensity_mm", 0.0, math.inf),
-    ("rotation_rad", -math.inf, math.inf),
-    ("scale", 0.0, math.inf),
+    ("intensity_mm", 0.0, _MOST),
+    ("rotation_rad", -_MOST, _MOST),
+    ("scale", 0.0, _MOST),
     ("confidence", 0.0, 1.0),
 )
 
@@ -153,16 +155,22 @@ def _find_mistakes(gesture: Any, t_us: int) -> Iterator[tuple[str, str]]:
     elif len(shape := points[0].shape) != 2 or shape[1] != 2 or points[1].shape != shape:
         shapes = f"contacts of the shapes {shape} (mm) and {points[1].shape} (px)"
         yield shapes, "Both must be (K, 2), for K contacts"
-    elif not all(np.isfinite(each).all() for each in points):
-        yield "a contact that is no number", "Contacts must be finite"
+    elif not all((np.abs(each) <= _MOST).all() for each in points):
+        yield (
+            "a contact that is nowhere",
+            f"Both numbers must be from {-_MOST:,.0f} to {_MOST:,.0f}",
+        )
     for name, least, most in _RANGES:
         value = getattr(gesture, name)
-        if not _is_finite(value) or not least <= value <= most:
-            yield f"{value!r} as {name}", f"It must be a number from {least:g} to {most:g}"
+        if not _is_number(value, least, most):
+            must = f"It must be a plain float from {least:,.0f} to {most:,.0f}"
+            yield f"{value!r} as {name}", must
     pair = gesture.translation_mm
-    if not isinstance(pair, tuple) or len(pair) != 2 or not all(map(_is_finite, pair)):
-        yield f"{pair!r} as translation_mm", "It must be two numbers, (x, y)"
+    is_pair = isinstance(pair, tuple) and len(pair) == 2
+    if not is_pair or not all(_is_number(each, -_MOST, _MOST) for each in pair):
+        yield f"{pair!r} as translation_mm", "It must be a tuple of two plain floats, (x, y)"
 
 
-def _is_finite(value: object) -> bool:
-    return isinstance(value, Real) and math.isfinite(value)
+def _is_number(value: object, least: float, most: float) -> bool:
+    """Returns True for a number in a range that can be written as JSON, which numpy's cannot."""
+    return isinstance(value, int | float) and least <= value <= most

@@ -3,12 +3,27 @@
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable
+from types import FrameType
+from typing import Final
+
+_PATIENCE_S: Final = 1.0
+"""A signal that comes sooner after the first is no second wish: a logout sends two at once."""
+_CALLERS: Final = frozenset(
+    {"neurotouch_hid.plugins", "neurotouch_hid.source.plugin", "neurotouch_hid.gesture.method"}
+)
+"""The modules that call other packages."""
+
+
+class NotReturned(BaseException):
+    """Code of another package that is still at work when the end is asked for again."""
 
 
 def stop_on_signals(reload: Callable[[], object] | None = None) -> threading.Event:
     """Makes Ctrl-C and SIGTERM set the returned event and do nothing else; repeating is harmless.
 
+    Only code of another package that does not return is ended by a second signal, with an error.
     SIGHUP reloads, unless it comes because the terminal was closed: then it ends the pipeline too,
     except under nohup.
     Nothing puts the former behaviour back: the pad is to be released undisturbed. Only the main
@@ -21,13 +36,15 @@ def stop_on_signals(reload: Callable[[], object] | None = None) -> threading.Eve
     stop = threading.Event()
     outlives = signal.getsignal(signal.SIGHUP) is signal.SIG_IGN  # nohup has set this
     attached = _has_terminal()
-    is_ending = False
+    ending_s = 0.0
 
-    def end(*_: object) -> None:
-        nonlocal is_ending
-        if not is_ending:  # a signal in the middle of ``set`` would wait for the code it interrupts
-            is_ending = True
+    def end(_: object = None, frame: FrameType | None = None) -> None:
+        nonlocal ending_s
+        if not ending_s:  # a signal in the middle of ``set`` would wait for the code it interrupts
+            ending_s = time.monotonic()
             stop.set()
+        elif time.monotonic() - ending_s > _PATIENCE_S and _is_in_package(frame):
+            raise NotReturned("it does not return, and was ended by a second signal")
 
     def hang_up(*_: object) -> None:
         if not outlives and (reload is None or (attached and not _has_terminal())):
@@ -39,6 +56,13 @@ def stop_on_signals(reload: Callable[[], object] | None = None) -> threading.Eve
         signal.signal(number, end)
     signal.signal(signal.SIGHUP, hang_up)
     return stop
+
+
+def _is_in_package(frame: FrameType | None) -> bool:
+    """Returns True if code of another package runs there."""
+    while frame is not None and frame.f_globals.get("__name__") not in _CALLERS:
+        frame = frame.f_back
+    return frame is not None
 
 
 def _has_terminal() -> bool:

@@ -42,7 +42,7 @@ class LslOutlets(Sender):
         markers: whether the displacement of each marker is sent, too.
 
     Raises:
-        StreamError: pylsl is missing.
+        StreamError: pylsl or its library is missing.
     """
 
     name = "LSL streams 'neurotouch' and 'neurotouch-gesture'"
@@ -50,7 +50,12 @@ class LslOutlets(Sender):
     def __init__(self, *, markers: bool) -> None:
         try:
             import pylsl  # noqa: PLC0415
-        except (ImportError, RuntimeError):  # RuntimeError: its library cannot be loaded
+        except RuntimeError as error:
+            raise StreamError(
+                "LSL needs the library liblsl, which pylsl does not find.",
+                hint="Install liblsl, or name its file in the variable PYLSL_LIB.",
+            ) from error
+        except ImportError:
             raise StreamError(
                 "LSL needs pylsl, which is not installed.",
                 hint="Install it: pip install 'neurotouch-hid[lsl]'",

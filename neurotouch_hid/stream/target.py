@@ -7,7 +7,7 @@ from neurotouch_hid.stream.sender import Sender
 
 HERE: Final = "127.0.0.1"
 PORTS: Final = {"osc": 9000, "websocket": 8765}
-KNOWN: Final = "osc://HOST:PORT, websocket, lsl or ros2"
+KNOWN: Final = "osc://HOST:PORT, websocket, websocket://HOST:PORT, lsl or ros2"
 
 
 class Address(NamedTuple):
@@ -30,13 +30,18 @@ def read_address(text: str) -> Address:
     Raises:
         ValueError: it means nothing; the text says why.
     """
-    parts = urlsplit(text if "://" in text else f"{text}://")
+    try:
+        parts = urlsplit(text if "://" in text else f"{text}://")
+    except ValueError:
+        raise ValueError(f"'{text}' is no address to stream to. Use {KNOWN}.") from None
     kind = {"ws": "websocket"}.get(parts.scheme, parts.scheme)
     if kind in ("lsl", "ros2") and not parts.netloc and not parts.path:
         return Address(kind)
-    if kind not in PORTS:
+    if kind not in PORTS or (parts.path and not parts.netloc):
         raise ValueError(f"'{text}' is no address to stream to. Use {KNOWN}.")
     host, port = _read_place(text, parts)
+    if kind == "osc" and port == 0:  # a server may take any that is free
+        raise ValueError(_say_port(text))
     if parts.path not in ("", "/") or parts.query or parts.fragment or parts.username is not None:
         raise ValueError(f"'{text}' has more than a host and a port. Use {KNOWN}.")
     return Address(kind, host or HERE, PORTS[kind] if port is None else port)
@@ -72,4 +77,8 @@ def _read_place(text: str, parts: SplitResult) -> tuple[str | None, int | None]:
     try:
         return parts.hostname, parts.port
     except ValueError:
-        raise ValueError(f"'{text}' needs a port from 1 to 65535 after the host.") from None
+        raise ValueError(_say_port(text)) from None
+
+
+def _say_port(text: str) -> str:
+    return f"'{text}' needs a port from 1 to 65535 after the host."

@@ -2,11 +2,13 @@
 
 import asyncio
 import json
+import os
 import re
 import threading
 from contextlib import suppress
 from typing import Any, Final
 
+import numpy as np
 from websockets.asyncio.server import Server, ServerConnection, broadcast, serve
 from websockets.exceptions import ConnectionClosed
 
@@ -75,8 +77,11 @@ class WebSocketServer(Sender):
             return self._loop.run_until_complete(open_server())
         except OSError as error:
             self._loop.close()
+            # asyncio writes a sentence of its own; a name that is not known has no such number.
+            number = error.errno or 0
+            reason = os.strerror(number) if number > 0 else error.strerror
             raise StreamError(
-                f"Cannot listen at {host}:{port}: {error.strerror}.",
+                f"Cannot listen at {host}:{port}: {reason}.",
                 hint="Give an address of this machine and a port that is free, for example "
                 "websocket://127.0.0.1:8766.",
             ) from error
@@ -119,7 +124,8 @@ def describe(reading: Reading, *, markers: bool) -> dict[str, Any]:
         "buttons": reading.buttons,
     }
     if markers:
-        state["markers_mm"] = reading.markers_mm.round(2).tolist()
+        # In float64, or each number would be written with 17 digits.
+        state["markers_mm"] = reading.markers_mm.astype(np.float64).round(2).tolist()
     return state
 
 

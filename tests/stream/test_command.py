@@ -80,6 +80,7 @@ def test_an_end_by_time_is_no_failure(ear, start):
             2,
         ),
         (["ros2"], "There is no ROS 2 here", 1),
+        (["ros2", "--seconds", "5"], "The ROS 2 node has no --rate and no --seconds.", 2),
         (["osc", "--rate", "61"], "61", 2),
     ],
 )

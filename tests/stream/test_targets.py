@@ -17,6 +17,7 @@ from neurotouch_hid.errors import StreamError
 from neurotouch_hid.stream import Reading, open_target, read_address
 from neurotouch_hid.stream.lsl import CHANNELS
 from neurotouch_hid.stream.target import Address
+from neurotouch_hid.stream.web_socket import describe
 from neurotouch_hid.vocabulary import Axis, Button
 
 LIMIT_S = 60.0
@@ -63,6 +64,9 @@ def test_an_address_is_understood(text, meaning):
         ("", "is no address to stream to"),
         ("osc://host:0x10", "needs a port"),
         ("osc://host:70000", "needs a port"),
+        ("osc://127.0.0.1:0", "needs a port"),
+        ("osc://[::1:9000", "is no address to stream to"),
+        ("osc:9000", "is no address to stream to"),
         ("osc://host:9000/path", "more than a host and a port"),
         ("osc://me@host:9000", "more than a host and a port"),
         ("lsl://host", "is no address to stream to"),
@@ -193,7 +197,7 @@ def test_one_who_goes_without_a_goodbye_is_no_error(server, caplog):
 
 def test_a_port_that_is_taken_is_refused(server):
     port = int(server.name.rpartition(":")[2])
-    with pytest.raises(StreamError, match=f"Cannot listen at 127.0.0.1:{port}"):
+    with pytest.raises(StreamError, match=f"at 127.0.0.1:{port}: Address already in use\\.$"):
         open_target(Address("websocket", "127.0.0.1", port), markers=False)
 
 
@@ -231,3 +235,19 @@ def test_a_missing_library_is_named_with_the_command_that_installs_it(monkeypatc
     with pytest.raises(StreamError) as refusal:
         open_target(read_address(kind), markers=False)
     assert refusal.value.hint == f"Install it: pip install 'neurotouch-hid[{kind}]'"
+
+
+def test_a_library_that_cannot_be_loaded_is_not_said_to_be_missing(tmp_path, monkeypatch):
+    (tmp_path / "pylsl.py").write_text(
+        "raise RuntimeError('LSL binary library file was not found')"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "pylsl")
+    with pytest.raises(StreamError, match="needs the library liblsl") as refusal:
+        open_target(read_address("lsl"), markers=False)
+    assert "PYLSL_LIB" in refusal.value.hint
+
+
+def test_the_numbers_of_markers_are_short():
+    reading = Reading(markers_mm=np.array([[-0.03, 1.1]], np.float32))
+    assert json.dumps(describe(reading, markers=True)["markers_mm"]) == "[[-0.03, 1.1]]"
