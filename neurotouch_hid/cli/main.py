@@ -124,6 +124,8 @@ def main() -> None:
         # The reader of our output is gone, as in `neurotouch demo | head`: nothing is wrong.
         sys.stdout = None  # nothing left to flush at exit
         code = 0
+    except MemoryError:
+        code = _tell("There is not enough memory.", "Close other programs, then try again.", 1)
     except OSError as error:
         # A full disk under `neurotouch ... > file`, a folder that vanished: files that we open
         # ourselves have sentences of their own.
@@ -145,10 +147,11 @@ def _run() -> Any:
     """Runs the command line and returns the exit code.
 
     click takes every EOFError for Ctrl-D at one of its questions; but a question of its own ends in
-    an Abort without a cause.
+    an Abort without a cause. An output that nobody reads any more it takes for a failure.
 
     Raises:
         NeuroTouchError: a question has met the end of the input.
+        BrokenPipeError: the reader of the output is gone.
     """
     if "_NEUROTOUCH_COMPLETE" in os.environ:
         from click.shell_completion import add_completion_class
@@ -156,6 +159,7 @@ def _run() -> Any:
         from neurotouch_hid.cli.ui.bash import Bash
 
         add_completion_class(Bash)
+    output = sys.stdout
     try:
         return cli.main(prog_name="neurotouch", standalone_mode=False)
     except click.Abort as error:
@@ -163,6 +167,10 @@ def _run() -> Any:
             raise error.__cause__ from None
         if isinstance(error.__context__, EOFError):
             raise EndOfInputError from None
+        raise
+    except SystemExit:
+        if sys.stdout is not output:  # click has replaced it before it exits
+            raise BrokenPipeError from None
         raise
 
 
