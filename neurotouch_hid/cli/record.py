@@ -362,7 +362,8 @@ def _tell(
     if stats.lost_before:
         message += f" {stats.lost_before:,} events were lost in the camera or the driver."
     if stats.lost_here:
-        message += f" {stats.lost_here:,} events were dropped, the disk was too slow."
+        why = ", the disk was too slow" if fault is None else ""
+        message += f" {stats.lost_here:,} events were dropped{why}."
     if not as_json:
         say(status, message)
         if fault is not None:
