@@ -151,9 +151,12 @@ def command(
                 "Nothing was recorded, so no file was made.",
                 hint="Is the camera plugged in? Check: neurotouch doctor",
             )
-        write_gel(out, chosen.file)
-        if is_clip(out) or rig:
-            write_beside(rig_path(out), rig)
+        try:
+            write_gel(out, chosen.file)
+            if is_clip(out) or rig:
+                write_beside(rig_path(out), rig)
+        except RecordingError as error:  # the recording itself is there, which is told first
+            fault = fault or error
         _tell(opened.name, out, stats, fault, mark, as_json=as_json)
 
 
