@@ -516,6 +516,14 @@ def test_a_change_that_cannot_be_saved_is_kept_as_a_draft(home, monkeypatch, ans
     assert "timing: game" in (home / "profiles/.drafts/mine.yaml").read_text(encoding="utf-8")
 
 
+def test_own_values_that_were_not_saved_are_kept_as_a_draft(home):
+    assert run("profile", "edit", "user", answers=[1, 1, 9])[1] == 1
+    assert "timing: game" in (home / ".drafts/user.yaml").read_text(encoding="utf-8")
+    assert run("profile", "edit", "user", answers=[1, 9, 1])[1] == 0
+    assert "timing: game" in (home / "user.yaml").read_text(encoding="utf-8")
+    assert not (home / ".drafts/user.yaml").exists()
+
+
 def refuse(*_, **__):
     raise ProfileError("It was changed by another program meanwhile.")
 

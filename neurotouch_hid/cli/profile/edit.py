@@ -52,7 +52,7 @@ def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
     if editor:
         settled = _edit_text(edited, text, draft, plain=plain)
     elif edited.model is UserSettings:
-        settled = ask_values(edited, text, plain=plain)
+        settled = ask_values(edited, text, draft, plain=plain)
     else:
         settled = Guide(edited, text, draft, source, plain=plain).run()
     if settled:
