@@ -1,6 +1,7 @@
 """``neurotouch profile`` as people use it, with wrong input too."""
 
 import json
+import signal
 import subprocess
 import sys
 
@@ -13,7 +14,8 @@ from neurotouch_hid.cli.main import cli
 from neurotouch_hid.cli.profile import guide
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
 from neurotouch_hid.profile.reading.library import find_shipped_folder
-from tests.processes import run_command, run_neurotouch
+from tests.processes import run_command, run_neurotouch, start_neurotouch
+from tests.waiting import LIMIT_S
 
 
 @pytest.fixture(autouse=True)
@@ -522,6 +524,18 @@ def test_own_values_that_were_not_saved_are_kept_as_a_draft(home):
     assert run("profile", "edit", "user", answers=[1, 9, 1])[1] == 0
     assert "timing: game" in (home / "user.yaml").read_text(encoding="utf-8")
     assert not (home / ".drafts/user.yaml").exists()
+
+
+def test_closing_the_terminal_keeps_what_was_not_saved_as_a_draft(home):
+    run("profile", "new", "mine")
+    process = start_neurotouch("profile", "edit", "mine", stdin=subprocess.PIPE)
+    process.stdin.write("11\n1\n1\n")
+    process.stdin.flush()
+    assert any("Timing: game" in line for line in process.stdout)
+    process.send_signal(signal.SIGHUP)
+    process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 130
+    assert "timing: game" in (home / "profiles/.drafts/mine.yaml").read_text(encoding="utf-8")
 
 
 def refuse(*_, **__):
