@@ -105,6 +105,8 @@ def suggest_fix(error: OSError) -> str:
             return "This disk is read-only, often after an error. Restart the machine."
         case errno.EACCES | errno.EPERM:
             return explain_missing_right(error, "write there")
+        case _ if not isinstance(error.filename, str):  # while it was written
+            return "Choose another disk: this one cannot take it."
         case _:
             return f"See what each part of its path is: {_show_path(error)}"
 

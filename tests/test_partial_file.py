@@ -172,7 +172,13 @@ def test_the_json_of_a_command_may_go_to_a_device(tmp_path):
 
 @pytest.mark.parametrize(
     ("number", "fix"),
-    [(errno.ENOSPC, "Make room"), (errno.EROFS, "Restart"), (errno.EACCES, "right")],
+    [
+        (errno.ENOSPC, "Make room"),
+        (errno.EROFS, "Restart"),
+        (errno.EACCES, "right"),
+        (errno.EFBIG, "another disk"),
+        (errno.EIO, "another disk"),
+    ],
 )
 def test_what_to_do_is_said_by_the_reason(number, fix):
     assert fix in suggest_fix(OSError(number, os.strerror(number)))

@@ -57,7 +57,7 @@ _WEBCAM = ",uvc=60,rolling=12,gamma,mjpeg"
     type=click.Choice(["auto", "picture", "lines"]),
     default="auto",
     show_default=True,
-    help="auto: a picture on a terminal, else lines.",
+    help="auto: a picture on a wide terminal, else lines.",
 )
 def command(
     scene: str,

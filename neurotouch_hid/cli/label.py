@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.ui.options import gel_option
+from neurotouch_hid.cli.ui.options import PlainName, gel_option
 from neurotouch_hid.cli.ui.output import echo, json_option, print_json
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
@@ -14,25 +14,6 @@ if TYPE_CHECKING:
     from neurotouch_hid.labelling.label_file import LabelFile
     from neurotouch_hid.labelling.look_through import Moments
     from neurotouch_hid.labelling.track import Track
-
-
-class LabellerName(click.ParamType):  # type: ignore[type-arg]  # generic from click 8.5 on
-    """The name of who labels; a part of a file's name."""
-
-    name = "name"
-
-    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """Returns the name if it can be a part of a file's name."""
-        import re
-
-        from neurotouch_hid.vocabulary import NAME_PATTERN
-
-        if not re.fullmatch(NAME_PATTERN, value):
-            raise WrongUsage(
-                f"'{value}' cannot be a part of a file's name.",
-                hint="Use at most 64 of a to z, digits, - and _.",
-            )
-        return value
 
 
 @click.command(
@@ -49,8 +30,8 @@ class LabellerName(click.ParamType):  # type: ignore[type-arg]  # generic from c
     metavar="FILE",
     required=True,
 )
-@click.option("--as", "labeller", type=LabellerName(), help="Your name, if several people label.")
-@click.option("--beside", type=LabellerName(), help="Show the labels of this person beside yours.")
+@click.option("--as", "labeller", type=PlainName(), help="Your name, if several people label.")
+@click.option("--beside", type=PlainName(), help="Show the labels of this person beside yours.")
 @click.option(
     "--agreement",
     is_flag=True,

@@ -124,6 +124,8 @@ def main() -> None:
         # The reader of our output is gone, as in `neurotouch demo | head`: nothing is wrong.
         sys.stdout = None  # nothing left to flush at exit
         code = 0
+    except MemoryError:
+        code = _tell("There is not enough memory.", "Close other programs, then try again.", 1)
     except OSError as error:
         # A full disk under `neurotouch ... > file`, a folder that vanished: files that we open
         # ourselves have sentences of their own.

@@ -153,9 +153,12 @@ def command(
                 "Nothing was recorded, so no file was made.",
                 hint="Is the camera plugged in? Check: neurotouch doctor",
             )
-        write_gel(out, chosen.file)
-        if is_clip(out) or rig:
-            write_beside(rig_path(out), rig)
+        try:
+            write_gel(out, chosen.file)
+            if is_clip(out) or rig:
+                write_beside(rig_path(out), rig)
+        except RecordingError as error:  # the recording itself is there, which is told first
+            fault = fault or error
         _tell(opened.name, out, stats, fault, mark, as_json=as_json)
 
 
@@ -377,7 +380,8 @@ def _tell(
     if stats.lost_before:
         message += f" {stats.lost_before:,} events were lost in the camera or the driver."
     if stats.lost_here:
-        message += f" {stats.lost_here:,} events were dropped, the disk was too slow."
+        why = ", the disk was too slow" if fault is None else ""
+        message += f" {stats.lost_here:,} events were dropped{why}."
     if not as_json:
         say(status, message)
         if fault is not None:

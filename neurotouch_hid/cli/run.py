@@ -77,7 +77,7 @@ if TYPE_CHECKING:
     type=click.Choice(["auto", "picture", "lines", "nothing"]),
     default="auto",
     show_default=True,
-    help="What to print while playing; auto: a picture on a terminal, else lines.",
+    help="What to print while playing; auto: a picture on a wide terminal, else lines.",
 )
 def command(
     profile: str | None,

@@ -91,7 +91,7 @@ def write_gel_file(name: str, camera: Camera, hand: Hand, way: Way) -> str:
         [
             "# Written by 'neurotouch gel new'. What each key means: docs/gel-format.md",
             "version: 1",
-            f"name: {name}",
+            f'name: "{name}"',  # else YAML takes some names for numbers
             f"layout: {{kind: square, pitch_mm: {hand.pitch_mm:g}, radius_mm: {hand.radius_mm:g}}}",
             f"dot_mm: {dot_mm:g}",
             "dots: light",

@@ -20,7 +20,8 @@ LINE_INTERVAL_S = 0.3
 """Shortest time between two plain lines, so that a screen reader can follow."""
 _ARROWS = "→↘↓↙←↖↑↗"
 _BAR = 24
-_READINGS = 43  # columns beside the gel, for all bars and most sentences
+READINGS = 43
+"""Columns beside the gel, for all bars and most sentences; a narrower terminal has no picture."""
 _BUTTONS = tuple(Button)
 _HALF = (len(_BUTTONS) + 1) // 2  # two rows, so that 80 columns are enough
 
@@ -127,9 +128,9 @@ class PictureMonitor:
     def _draw(self) -> None:
         if self._step is None:
             return
-        columns = shutil.get_terminal_size().columns  # a longer line would be two, and scroll
+        columns, rows = shutil.get_terminal_size()  # a longer line or picture would scroll
         drawn = draw_step(self._step, self._title, self._begun_us or 0, columns)
-        lines = [make_printable(line[:columns]) for line in drawn]
+        lines = [make_printable(line[:columns]) for line in drawn[: rows - 1]]
         up = f"\x1b[{self._height}A" if self._height else ""
         self._height = len(lines)
         self._out.write(up + "".join(f"\r{line}\x1b[K\n" for line in lines))
@@ -160,7 +161,7 @@ def draw_step(step: Step, title: str, begun_us: int = 0, columns: int = 80) -> l
     gel = _gel(step)
     right += [""] * (len(gel) - len(right))
     head = f"NeuroTouch  {title}  {(gesture.t_us - begun_us) / 1e6:.2f} s"
-    if len(gel[0]) + _READINGS > columns:
+    if len(gel[0]) + READINGS > columns:
         return [head, "", *right]
     return [head, "", *(f"{g}   {r}" for g, r in zip(gel, right, strict=True))]
 

@@ -1,4 +1,4 @@
-"""Ends a command on Ctrl-C and SIGTERM, also while it is still being loaded."""
+"""Ends a command on Ctrl-C, SIGTERM and when its terminal is closed, also while it is loaded."""
 
 import _thread
 import os
@@ -19,14 +19,15 @@ _SOON_S: Final = 0.01
 
 
 def handle_interrupts() -> None:
-    """Makes Ctrl-C and SIGTERM raise KeyboardInterrupt, except where it could get lost.
+    """Makes Ctrl-C, SIGTERM and SIGHUP raise KeyboardInterrupt, except where it could get lost.
 
     While a command imports its libraries, nothing is open yet, and the process just ends. In other
-    code that might lose it, the signal is sent again 10 ms later. A process that ignores Ctrl-C, as
-    programs in the background do, goes on ignoring it.
+    code that might lose it, the signal is sent again 10 ms later. A process that ignores Ctrl-C or
+    SIGHUP, as in the background or under nohup, goes on ignoring it.
     """
-    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
-        signal.signal(signal.SIGINT, _interrupt)
+    for number in (signal.SIGINT, signal.SIGHUP):
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _interrupt)
     signal.signal(signal.SIGTERM, _interrupt)
 
 
@@ -35,7 +36,7 @@ def end_at_next_interrupt() -> None:
 
     An exception would end up in what Python still does at the exit, as a traceback.
     """
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is _interrupt:
             signal.signal(number, lambda *_: os._exit(EXIT_INTERRUPTED))
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib import import_module
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children, forkserver, get_context, resource_tracker
 from tempfile import gettempdir
 from typing import Final
 
@@ -39,6 +39,8 @@ def open_pool(jobs: int, modules: Sequence[str] = ()) -> Iterator[ProcessPoolExe
     context = get_context("forkserver" if is_short else "spawn")
     context.set_forkserver_preload([_QUICKLY, *modules])
     with _without_current_folder():
+        if is_short:
+            _start_server()
         pool = ProcessPoolExecutor(jobs, mp_context=context, initializer=_begin)
         try:
             yield pool
@@ -62,7 +64,21 @@ def _without_current_folder() -> Iterator[None]:
             os.environ["PYTHONSAFEPATH"] = before
 
 
+def _start_server() -> None:
+    """Starts Python's server so that Ctrl-C does not reach it, nor a process that it has forked.
+
+    While they start, they would answer it with a traceback.
+    """
+    resource_tracker.ensure_running()  # the server starts it, and Python 3.11 lets Ctrl-C in then
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
 def _begin() -> None:
     """Prepares a process of a pool."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     import_module(_QUICKLY)  # up to Python 3.12 the server does not find the Debian package

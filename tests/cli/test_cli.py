@@ -2,6 +2,7 @@
 
 import json
 import os
+import pty
 import re
 import signal
 import subprocess
@@ -258,6 +259,25 @@ def test_an_output_that_is_lost_does_not_end_the_game(tmp_path, undisturbed, los
     assert path.read_text() == undisturbed
 
 
+def test_a_terminal_too_narrow_for_the_picture_gets_lines():
+    ours, theirs = pty.openpty()
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", "neurotouch_hid", *PLAY[:-2], "--show", "auto"],
+            stdout=theirs,
+            stderr=subprocess.PIPE,
+            check=False,
+            env={**os.environ, "TERM": "xterm", "NT_ACCESSIBLE": "", "COLUMNS": "30"},
+        )
+        said = os.read(ours, 1 << 16)
+    finally:
+        os.close(ours)
+        os.close(theirs)
+    assert done.returncode == 0, done.stderr
+    assert b"\x1b" not in said
+    assert b"pad neutral" in said
+
+
 def test_a_trace_on_a_full_disk_does_not_end_the_game():
     done = neurotouch(*PLAY, "--trace", "/dev/full")
     assert done.returncode == 0, done.stderr
@@ -329,6 +349,27 @@ def test_a_reader_that_has_seen_enough_is_no_failure(words):
     finally:
         os.close(output)
     assert done.stderr == ""
+
+
+def test_too_little_memory_is_said():
+    done = run_command(
+        sys.executable, "-c", FAILING.replace('EOFError("half a file")', "MemoryError"), code=1
+    )
+    assert done.stderr.startswith("Error: There is not enough memory.\nFix: ")
+
+
+def test_a_recording_is_made_though_nobody_can_read_what_is_said(tmp_path):
+    out = tmp_path / "clip.aedat4"
+    words = ["record", str(out), "--source", "sim:push", "--seconds", "0.2"]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "neurotouch_hid", *words],
+            stdout=subprocess.DEVNULL,
+            stderr=full,
+            check=False,
+        )
+    assert done.returncode == 0
+    assert out.stat().st_size > 100_000
 
 
 def test_the_end_of_a_file_is_not_taken_for_ctrl_d():

@@ -74,6 +74,18 @@ def test_a_file_that_is_there_stays(home):
     assert choose_gel(str(home / "mine.yaml")).gel.name == "try"
 
 
+def test_the_next_step_can_be_typed_as_it_is_written(home):
+    output, code = run("new", "my own.yaml", *ANSWERS)
+    assert code == 0
+    assert "--gel 'my own.yaml'" in output
+
+
+@pytest.mark.parametrize("name", ["12", "true", "null", "1e5", "-"])
+def test_a_name_that_yaml_takes_for_something_else_stays_a_name(home, name):
+    assert run("new", "a.yaml", *ANSWERS, f"--name={name}")[1] == 0
+    assert choose_gel(str(home / "a.yaml")).gel.name == name
+
+
 def test_the_same_figures_as_json():
     output, code = run("show", "paper", "--json")
     assert code == 0
@@ -95,7 +107,10 @@ def test_a_width_that_was_calculated_is_rounded(home):
         (("new",), 2, "--camera"),
         (("new", "a.yaml", "--camera", "own", "--hand", "small", "--way", "cast"), 2, "--width"),
         (("new", "a.yaml", *ANSWERS, "--width", "640"), 2, "--camera own"),
-        (("new", "a.yaml", *ANSWERS, "--name", "a b"), 6, "name"),
+        *(
+            (("new", "a.yaml", *ANSWERS, "--name", name), 2, "cannot be a part of a file's name")
+            for name in ("a b", "", "a\nb", "g\udce9l")
+        ),
         (("new", "none/a.yaml", *ANSWERS), 6, "cannot be written"),
         (("show", "nothing.yaml"), 6, "nothing.yaml"),
         (("make", "out", "--gel", "nothing"), 6, "nothing"),

@@ -1,6 +1,7 @@
 """``neurotouch profile`` as people use it, with wrong input too."""
 
 import json
+import signal
 import subprocess
 import sys
 
@@ -10,9 +11,11 @@ from click.testing import CliRunner
 from ruamel.yaml import YAML
 
 from neurotouch_hid.cli.main import cli
-from neurotouch_hid.errors import NeuroTouchError
+from neurotouch_hid.cli.profile import guide
+from neurotouch_hid.errors import NeuroTouchError, ProfileError
 from neurotouch_hid.profile.reading.library import find_shipped_folder
-from tests.processes import run_command, run_neurotouch
+from tests.processes import run_command, run_neurotouch, start_neurotouch
+from tests.waiting import LIMIT_S
 
 
 @pytest.fixture(autouse=True)
@@ -487,6 +490,77 @@ def test_the_text_editor_loses_nothing(home, tmp_path, monkeypatch):
     assert run("profile", "edit", "spacecraft", "--editor", answers=[1])[1] == 0
     assert "stick: right" in own(home, "spacecraft")
     assert not draft.exists()
+
+
+EDITOR = """\
+#!/bin/sh
+sed -i "s/stick: left/stick: right/" "$1"
+printf "\\n# by hand\\n" >> "$XDG_CONFIG_HOME/neurotouch/profiles/mine.yaml"
+"""
+
+
+def test_what_was_typed_is_kept_when_the_file_has_changed_meanwhile(home, tmp_path, monkeypatch):
+    run("profile", "new", "mine")
+    editor = tmp_path / "editor"
+    editor.write_text(EDITOR, encoding="utf-8")
+    editor.chmod(0o755)
+    monkeypatch.setenv("VISUAL", str(editor))
+    output, code = run("profile", "edit", "mine", "--editor")
+    assert code == 6
+    assert "was changed by another program meanwhile" in output
+    assert "stick: right" in (home / "profiles/.drafts/mine.yaml").read_text(encoding="utf-8")
+    assert "stick: left" in own(home, "mine")
+
+
+@pytest.mark.parametrize("editor", ["/nonexistent/editor", "false", "it's"])
+def test_an_editor_that_fails_is_named(monkeypatch, editor):
+    monkeypatch.setenv("VISUAL", editor)
+    output, code = run("profile", "edit", "racing", "--editor")
+    assert code == 1
+    assert "The text editor has failed" in output
+    assert "neurotouch profile edit racing" in output
+
+
+@pytest.mark.parametrize("answers", [[11, 1, 1, 13], [11, 1, 1, 13, 1]])
+def test_a_change_that_cannot_be_saved_is_kept_as_a_draft(home, monkeypatch, answers):
+    run("profile", "new", "mine")
+    if len(answers) > 4:
+        monkeypatch.setattr(guide, "save_edited", refuse)
+    assert run("profile", "edit", "mine", answers=answers)[1] != 0
+    assert "timing: game" in (home / "profiles/.drafts/mine.yaml").read_text(encoding="utf-8")
+
+
+def test_own_values_that_were_not_saved_are_kept_as_a_draft(home):
+    assert run("profile", "edit", "user", answers=[1, 1, 9])[1] == 1
+    assert "timing: game" in (home / ".drafts/user.yaml").read_text(encoding="utf-8")
+    assert run("profile", "edit", "user", answers=[1, 9, 1])[1] == 0
+    assert "timing: game" in (home / "user.yaml").read_text(encoding="utf-8")
+    assert not (home / ".drafts/user.yaml").exists()
+
+
+def test_closing_the_terminal_keeps_what_was_not_saved_as_a_draft(home):
+    run("profile", "new", "mine")
+    process = start_neurotouch("profile", "edit", "mine", stdin=subprocess.PIPE)
+    process.stdin.write("11\n1\n1\n")
+    process.stdin.flush()
+    assert any("Timing: game" in line for line in process.stdout)
+    process.send_signal(signal.SIGHUP)
+    process.communicate(timeout=LIMIT_S)
+    assert process.returncode == 130
+    assert "timing: game" in (home / "profiles/.drafts/mine.yaml").read_text(encoding="utf-8")
+
+
+def refuse(*_, **__):
+    raise ProfileError("It was changed by another program meanwhile.")
+
+
+@pytest.mark.parametrize("columns", [20, 32, 80])
+def test_a_list_can_be_read_on_a_narrow_terminal(monkeypatch, columns):
+    monkeypatch.setattr("neurotouch_hid.cli.ui.output.is_plain", lambda **_: False)
+    monkeypatch.setenv("COLUMNS", str(columns))
+    lines = run("profile", "list")[0].splitlines()
+    assert max(map(len, lines)) <= columns
+    assert any("controller" in line for line in lines)
 
 
 def test_codes_are_explained():

@@ -78,6 +78,14 @@ def test_it_says_what_is_in_the_file(tmp_path, record, quick):
     assert count(tmp_path / "a.aedat4") == (20_000, 5)
 
 
+def test_a_recording_whose_gel_file_cannot_be_written_is_told_of(tmp_path, record, quick):
+    path = tmp_path / f"{'n' * 248}.aedat4"  # one letter more, and NAME.gel.yaml is too long
+    done = record(path, *quick)
+    assert done.returncode == 4
+    assert done.stdout.startswith(f"WARNING {path} has 0.2 s of file:")
+    assert ".gel.yaml' cannot be written: File name too long." in done.stderr
+
+
 def test_the_simulator_for_so_many_seconds(tmp_path, record):
     done = record(tmp_path / "a.aedat4", "--source", "sim:push", "--seconds", "1", "--json")
     assert done.returncode == 0, done.stderr

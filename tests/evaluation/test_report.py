@@ -3,6 +3,7 @@
 import base64
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 from xml.etree import ElementTree as ET
 
@@ -21,7 +22,7 @@ from neurotouch_hid.evaluation.accuracy import (
 from neurotouch_hid.evaluation.accuracy.files import Played
 from neurotouch_hid.evaluation.accuracy.label_statistics import LabelStatistics
 from neurotouch_hid.evaluation.accuracy.moments import WorstMoments
-from neurotouch_hid.evaluation.accuracy.report import check_folder, write_report
+from neurotouch_hid.evaluation.accuracy.report import check_folder, write, write_report
 from neurotouch_hid.evaluation.accuracy.type_timing import Stopwatch
 from neurotouch_hid.messages import EVENT_DTYPE, GestureKind
 from neurotouch_hid.recording import RecordingWriter, Simulation
@@ -142,6 +143,13 @@ def test_page_and_numbers_say_where_they_come_from(folder):
         "seeds": [5],
         "simulated_by": [],
     }
+
+
+def test_a_name_that_is_no_utf8_loses_no_report(evaluations, tmp_path, monkeypatch):
+    monkeypatch.setattr(write, "draw_pictures", lambda *_: [])
+    origin = replace(ORIGIN, command="neurotouch evaluate play\udce9.aedat4")
+    write_report(tmp_path / "report", evaluations, origin)
+    assert "evaluate play?.aedat4" in (tmp_path / "report/report.html").read_text(encoding="utf-8")
 
 
 def test_what_is_simulated_is_known_from_the_set(tmp_path):

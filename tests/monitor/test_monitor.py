@@ -225,6 +225,18 @@ def test_picture_fits_eighty_columns_and_never_wraps(monkeypatch):
     assert any(row.startswith("intensity   4.2 mm ") for row in rows)
 
 
+def test_picture_is_never_higher_than_the_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("LINES", "10")
+    out = io.StringIO()
+    monitor = PictureMonitor(out, "sim:test")
+    monitor(PUSH)
+    monitor.close()
+    assert out.getvalue().count("\n") % 9 == 0
+    assert "\x1b[17A" not in out.getvalue()
+    assert "push left" in out.getvalue()
+
+
 def test_picture_gives_the_cursor_back():
     out = io.StringIO()
     monitor = PictureMonitor(out, "sim:test")

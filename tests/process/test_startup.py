@@ -95,6 +95,29 @@ def test_the_processes_of_a_pool_share_what_was_imported_for_them(tmp_path):
     assert say(program) == "True 2"
 
 
+def test_ctrl_c_while_a_pool_starts_ends_it_without_a_traceback(tmp_path):
+    """In a terminal it reaches every process: the server while it imports, the others later."""
+    (tmp_path / "look.py").write_text(
+        "import os, signal\nos.kill(os.getpid(), signal.SIGINT)\n"
+        "def look(): os.kill(os.getpid(), signal.SIGINT)\n"
+    )
+    program = (
+        "import os, sys\n"
+        f"os.environ['PYTHONPATH'] = os.pathsep.join([{str(tmp_path)!r}, *sys.path])\n"
+        "from neurotouch_hid.process.own_pool import open_pool\n"
+        "from concurrent.futures.process import BrokenProcessPool\n"
+        "if __name__ == '__main__':\n"
+        "    with open_pool(1, modules=['look']) as pool:\n"
+        "        sys.path.insert(0, os.environ['PYTHONPATH'].split(os.pathsep)[0])\n"
+        "        try:\n"
+        "            pool.submit(eval, '__import__(\"look\").look()').result()\n"
+        "        except BrokenProcessPool:\n            print('ended')\n"
+    )
+    done = run_command(sys.executable, "-c", program)
+    assert done.stdout == "ended\n"
+    assert "Traceback" not in done.stderr
+
+
 def test_processes_of_a_pool_work_with_a_long_temporary_folder(tmp_path):
     """Its path and a name of Python's are the address of a socket, which is short."""
     folder = tmp_path / ("long" * 25)

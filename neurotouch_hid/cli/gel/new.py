@@ -1,5 +1,6 @@
 """``neurotouch gel new``: writes ``gel.yaml`` by a few questions."""
 
+import shlex
 import sys
 from collections.abc import Mapping
 from pathlib import Path
@@ -7,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.ui.options import Finite
+from neurotouch_hid.cli.ui.options import Finite, PlainName
 from neurotouch_hid.cli.ui.output import choose, echo
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import ProfileError
@@ -42,7 +43,9 @@ _WAYS = ("evening", "printed", "cast")
 )
 @click.option("--hand", type=click.Choice(_HANDS), help="Size of the hand. Asked if not given.")
 @click.option("--way", type=click.Choice(_WAYS), help="How it is made. Asked if not given.")
-@click.option("--name", default="own", show_default=True, help="What you call the gel.")
+@click.option(
+    "--name", type=PlainName(), default="own", show_default=True, help="What you call the gel."
+)
 @click.option("--force", is_flag=True, help="Replace a file that is there.")
 def command(
     file: Path | None,
@@ -97,7 +100,7 @@ def command(
             f"'{path}' cannot be written: {error.strerror}.", hint=suggest_fix(error)
         ) from None
     echo(f"'{path}' is written: {plan.gel.n_markers} dots, camera {plan.distance:.0f} mm below.")
-    option = "" if file is None else f" --gel {path}"
+    option = "" if file is None else f" --gel {shlex.quote(str(path))}"
     echo(f"Next: neurotouch gel make my-gel{option}")
 
 

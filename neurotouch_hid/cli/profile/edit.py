@@ -12,6 +12,7 @@ from neurotouch_hid.cli.profile.values import ask_values
 from neurotouch_hid.cli.ui.completing import complete_file, complete_source
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, make_stamp, plain_option, say
+from neurotouch_hid.errors import NeuroTouchError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile.editing import EditedFile, ProfileText
@@ -51,7 +52,7 @@ def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
     if editor:
         settled = _edit_text(edited, text, draft, plain=plain)
     elif edited.model is UserSettings:
-        settled = ask_values(edited, text, plain=plain)
+        settled = ask_values(edited, text, draft, plain=plain)
     else:
         settled = Guide(edited, text, draft, source, plain=plain).run()
     if settled:
@@ -66,21 +67,43 @@ def _edit_text(edited: "EditedFile", text: "ProfileText", draft: Path, *, plain:
     """
     newline = "\r\n" if "\r\n" in text.text else "\n"
     while True:
-        written = click.edit(text.text, extension=".yaml", require_save=False) or ""
-        text = text.rewrite(written.replace("\r\n", "\n").replace("\n", newline))
-        if text == edited.text:
-            say("OK", "Nothing has changed.", plain=plain)
-            return True
-        checked = edited.check(text)
-        if checked.whole is not None:
-            save_edited(edited, text, plain=plain)
-            return True
-        show_faults(checked, plain=plain)
-        choices = ["Edit again", "Keep the old profile, discard this one", "Keep this as a draft"]
-        answer = choose("There are errors. What now?", choices, default=0)
+        try:
+            written = _open_editor(edited.name, text.text)
+            text = text.rewrite(written.replace("\r\n", "\n").replace("\n", newline))
+            if text == edited.text:
+                say("OK", "Nothing has changed.", plain=plain)
+                return True
+            checked = edited.check(text)
+            if checked.whole is not None:
+                save_edited(edited, text, plain=plain)
+                return True
+            show_faults(checked, plain=plain)
+            choices = ["Edit again", "Keep the old profile, discard this one", "Keep it as a draft"]
+            answer = choose("There are errors. What now?", choices, default=0)
+        except (click.Abort, NeuroTouchError):
+            if text != edited.text:
+                save_draft(draft, text)
+            raise
         if answer == 1:
             say("OK", "The old profile is kept.", plain=plain)
             return True
         if answer == 2:
             save_draft(draft, text)
             return False
+
+
+def _open_editor(name: str, text: str) -> str:
+    """Returns the text as the person leaves it in the editor.
+
+    Raises:
+        NeuroTouchError: the editor cannot be started, or it has failed.
+    """
+    try:
+        return click.edit(text, extension=".yaml", require_save=False) or ""
+    except (click.ClickException, ValueError) as error:
+        # A ValueError: $EDITOR has an open quote, or what was written is no UTF-8.
+        said = error.format_message() if isinstance(error, click.ClickException) else str(error)
+        raise NeuroTouchError(
+            f"The text editor has failed. {said}.",
+            hint=f"Set VISUAL to an editor, like nano. Without one: neurotouch profile edit {name}",
+        ) from None

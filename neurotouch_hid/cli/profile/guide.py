@@ -13,7 +13,7 @@ from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.profile.values import ask_value
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, echo, is_plain, say, show_changes
-from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.errors import NeuroTouchError, ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile
@@ -44,7 +44,7 @@ class Guide:
         self._plain = plain
 
     def run(self) -> bool:
-        """Asks until the person is done; on Ctrl-C or the end of input the draft is kept.
+        """Asks until the person is done; where it cannot be saved, or on Ctrl-C, a draft is kept.
 
         Raises:
             ProfileError: the profile has errors already.
@@ -57,16 +57,16 @@ class Guide:
         try:
             while self._ask_what():
                 pass
-        except click.Abort:
+            if self._text == self._edited.text:
+                say("OK", "Nothing has changed.", plain=self._plain)
+            elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
+                save_edited(self._edited, self._text, plain=self._plain)
+            else:
+                say("OK", "Nothing was saved.", plain=self._plain)
+        except (click.Abort, KeyboardInterrupt, NeuroTouchError):
             if self._text != self._edited.text:
                 save_draft(self._draft, self._text)
             raise
-        if self._text == self._edited.text:
-            say("OK", "Nothing has changed.", plain=self._plain)
-        elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
-            save_edited(self._edited, self._text, plain=self._plain)
-        else:
-            say("OK", "Nothing was saved.", plain=self._plain)
         return True
 
     def _load(self) -> "Profile":

@@ -52,7 +52,8 @@ def list_command(as_json: bool, plain: bool) -> None:
             mark = "!" if row["status"] != "OK" else "*" if row["in_use"] else " "
             head = f"{mark} {row['name']:<18} {notes[0]:<8} "
             width = shutil.get_terminal_size().columns
-            echo(textwrap.fill(f"{head}{text}", width, subsequent_indent=" " * len(head)))
+            indent = " " * (len(head) if width > 2 * len(head) else 4)
+            echo(textwrap.fill(f"{head}{text}", width, subsequent_indent=indent))
     show_misnamed(plain=plain)
 
 

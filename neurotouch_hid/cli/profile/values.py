@@ -1,14 +1,16 @@
 """The questions and answers of ``neurotouch profile edit user``."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from neurotouch_hid.cli.profile.drafts import save_draft
 from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, echo, say, show_changes
-from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.errors import NeuroTouchError, ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile.editing import EditedFile, ProfileText
@@ -26,34 +28,43 @@ _ASKED = (
 """What people choose; ranges and what they do not use come from calibration."""
 
 
-def ask_values(edited: "EditedFile", text: "ProfileText", *, plain: bool) -> bool:
+def ask_values(edited: "EditedFile", text: "ProfileText", draft: Path, *, plain: bool) -> bool:
     """Asks for one value after the other until the person is done, and returns True.
+
+    Where it cannot be saved, or on Ctrl-C, a draft is kept.
 
     Raises:
         ProfileError: there are errors already.
     """
+    try:
+        while (number := _ask_which(edited, text)) < len(_ASKED):
+            text = _ask(edited, text, _ASKED[number], plain=plain)
+        if text == edited.text:
+            say("OK", "Nothing has changed.", plain=plain)
+        elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
+            save_edited(edited, text, plain=plain)
+        else:
+            say("OK", "Nothing was saved.", plain=plain)
+    except (click.Abort, NeuroTouchError):
+        if text != edited.text:
+            save_draft(draft, text)
+        raise
+    return True
+
+
+def _ask_which(edited: "EditedFile", text: "ProfileText") -> int:
+    """Returns the index of the value to change; behind the last one: the person is done."""
     from neurotouch_hid.profile.editing import format_value
 
-    while True:
-        settings = edited.check(text).require()
-        shown = []
-        for key in _ASKED:
-            value: object = settings
-            for part in key.split("."):
-                value = getattr(value, part)
-            plainly = value.model_dump(exclude_none=True) if hasattr(value, "model_dump") else value
-            shown.append(f"{key}: {'the default' if value is None else format_value(plainly)}")
-        number = choose("Your own values: what do you want to change?", [*shown, "Done"])
-        if number == len(shown):
-            break
-        text = _ask(edited, text, _ASKED[number], plain=plain)
-    if text == edited.text:
-        say("OK", "Nothing has changed.", plain=plain)
-    elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
-        save_edited(edited, text, plain=plain)
-    else:
-        say("OK", "Nothing was saved.", plain=plain)
-    return True
+    settings = edited.check(text).require()
+    shown = []
+    for key in _ASKED:
+        value: object = settings
+        for part in key.split("."):
+            value = getattr(value, part)
+        plainly = value.model_dump(exclude_none=True) if hasattr(value, "model_dump") else value
+        shown.append(f"{key}: {'the default' if value is None else format_value(plainly)}")
+    return choose("Your own values: what do you want to change?", [*shown, "Done"])
 
 
 def _ask(edited: "EditedFile", text: "ProfileText", key: str, *, plain: bool) -> "ProfileText":

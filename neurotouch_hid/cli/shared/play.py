@@ -1,5 +1,6 @@
 """Runs a driver with monitors for ``run`` and ``demo``, and prints a summary at the end."""
 
+import shutil
 import sys
 from contextlib import ExitStack
 from pathlib import Path
@@ -9,8 +10,8 @@ from neurotouch_hid.cli.ui.output import echo, is_plain
 from neurotouch_hid.gel_sentences import explain_gel
 from neurotouch_hid.messages import GelProblem
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
+from neurotouch_hid.monitor.terminal import READINGS
 from neurotouch_hid.monitor.text_output import TextOutput
-from neurotouch_hid.process.dead_output import silence
 from neurotouch_hid.process.signals import stop_on_signals
 
 if TYPE_CHECKING:
@@ -27,12 +28,13 @@ def play(
     Args:
         driver: the opened driver.
         show: ``picture``, ``lines``, ``nothing``, or ``auto``: a picture on a terminal, but lines
-            elsewhere and where plain output is asked for.
+            elsewhere, on a narrow one and where plain output is asked for.
         trace: file for one JSON line per slice.
         seconds: ends after this much sensor time.
     """
     if show == "auto":
-        show = "lines" if is_plain() else "picture"
+        is_narrow = shutil.get_terminal_size().columns < READINGS
+        show = "lines" if is_plain() or is_narrow else "picture"
     stop = stop_on_signals(driver.reload if driver.options.is_listening else None)
     title = f"{driver.source.name} -> {driver.device.name}, profile {driver.profile.name}"
     if driver.source.is_simulated:
@@ -70,7 +72,4 @@ def play(
 
 def announce(sentence: str) -> None:
     """Prints a sentence for the person on the standard error, if it can still be written."""
-    try:
-        echo(sentence, err=True)
-    except OSError:  # the terminal has gone, or the disk that keeps it is full
-        silence(sys.stderr)
+    echo(sentence, err=True)

@@ -11,7 +11,7 @@ from click.shell_completion import CompletionItem
 from neurotouch_hid.cli.ui.completing import complete_profile_or_path, complete_source
 from neurotouch_hid.cli.ui.output import require_writable
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
-from neurotouch_hid.vocabulary import RECORDING_ENDINGS
+from neurotouch_hid.vocabulary import NAME_PATTERN, RECORDING_ENDINGS
 
 _METHODS = ("neurotouch", "paper")  # gesture.method.BUILT_IN, without loading its kernels
 
@@ -60,6 +60,23 @@ class OutFile(click.Path):
             )
         require_writable(path)
         return path
+
+
+class PlainName(click.ParamType):  # type: ignore[type-arg]  # generic from click 8.5 on
+    """The name of a person or a gel; it can be a part of a file's name."""
+
+    name = "name"
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """Returns the name if it can be a part of a file's name."""
+        import re
+
+        if not re.fullmatch(NAME_PATTERN, value):
+            raise WrongUsage(
+                f"'{value}' cannot be a part of a file's name.",
+                hint="Use at most 64 of a to z, digits, - and _.",
+            )
+        return value
 
 
 class MethodName(click.ParamType):  # type: ignore[type-arg]  # generic from click 8.5 on

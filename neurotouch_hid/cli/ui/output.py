@@ -14,6 +14,7 @@ import click
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.partial_file import try_writing, write_whole
 from neurotouch_hid.printable import is_printable, make_lines_printable, make_printable
+from neurotouch_hid.process.dead_output import silence
 
 if TYPE_CHECKING:
     from neurotouch_hid.doctor.finding import Finding
@@ -25,9 +26,14 @@ def echo(text: str, *, err: bool = False, nl: bool = True) -> None:
     """Prints lines of text. All commands print with it, whatever the text quotes.
 
     File names, profiles, devices and answers may hold characters that steer a terminal. None of
-    them gets there.
+    them gets there. What nobody can read on the standard error does not end the work.
     """
-    click.echo(make_lines_printable(text), err=err, nl=nl)
+    try:
+        click.echo(make_lines_printable(text), err=err, nl=nl)
+    except OSError:
+        if not err:
+            raise
+        silence(sys.stderr)
 
 
 def echo_file(text: str) -> None:

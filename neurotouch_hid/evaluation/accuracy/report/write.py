@@ -35,4 +35,6 @@ def write_report(
             (new / FIGURES / f"{picture.name}.svg").write_text(picture.svg, encoding="utf-8")
         numbers = json.dumps(combine_reports(reports, origin), indent=2) + "\n"
         (new / NUMBERS).write_text(numbers, encoding="utf-8")
-        (new / PAGE).write_text(build_page(reports, pictures, origin), encoding="utf-8")
+        page = build_page(reports, pictures, origin)
+        # A file may have a name that is no UTF-8.
+        (new / PAGE).write_text(page, encoding="utf-8", errors="replace")
