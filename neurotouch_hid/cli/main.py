@@ -165,7 +165,7 @@ def _run() -> Any:
     except click.exceptions.Exit as end:
         return end.exit_code
     except KeyboardInterrupt:
-        click.echo(err=True)  # ends the line in which the terminal shows ^C
+        print_error("")  # ends the line in which the terminal shows ^C
         raise
     except click.Abort as error:
         if isinstance(error.__context__, EOFError):
