@@ -181,15 +181,16 @@ def require_gel(gel: GelState, source: str = "this source", *, is_told: bool = F
     Args:
         gel: what is known.
         source: what a person calls the source.
-        is_told: a rig file said where the gel is.
+        is_told: the source said where the gel is; for a recording its rig file does.
 
     Raises:
         GelNotFoundError: no frame has shown it.
     """
     if not gel.was_found and is_told:
         raise GelNotFoundError(
-            f"No gel was found in {source} where its rig file says.",
-            hint="Correct NAME.rig.yaml beside it, or remove it: then the gel is searched for.",
+            f"No gel was found in {source} at the place that its rig says.",
+            hint="The rig of a recording is NAME.rig.yaml beside it. Correct or remove that file: "
+            "without it, the gel is searched for.",
         )
     if not gel.was_found:
         sentence, made = explain_gel(gel), gel.layout

@@ -74,7 +74,7 @@ class SlicePacer:
 
     @property
     def is_calm(self) -> bool:
-        """True while the pipeline is idle and recent events were only noise."""
+        """True while the pipeline is idle, and recent events were only noise and not very many."""
         return self._calm_us > CALM_US
 
     @property

@@ -136,7 +136,7 @@ def test_a_rig_file_that_says_the_wrong_place_is_named(recordings, tmp_path):
     path.write_bytes(recordings[0].read_bytes())
     labels_path(path).write_bytes(labels_path(recordings[0]).read_bytes())
     path.with_suffix(".rig.yaml").write_text("centre_px: [60, 60]\npx_per_mm: 2.5\n")
-    with pytest.raises(GelNotFoundError, match="where its rig file says") as caught:
+    with pytest.raises(GelNotFoundError, match="at the place that its rig says") as caught:
         evaluate_files([path], PAPER)
     assert "NAME.rig.yaml" in caught.value.hint
 

@@ -65,7 +65,7 @@ def command(
     if live and as_json:
         raise WrongUsage(
             "Option --json prints one score, and --live lines for people.",
-            hint="Leave one of them away.",
+            hint="Leave one of them out.",
         )
     gel_file = load_gel_file(find_gel_file(gel, source))
     plan = make_plan(gel_file.settings, is_made=True)

@@ -80,7 +80,7 @@ def _edit_text(edited: "EditedFile", text: "ProfileText", draft: Path, *, plain:
             show_faults(checked, plain=plain)
             choices = ["Edit again", "Keep the old profile, discard this one", "Keep it as a draft"]
             answer = choose("There are errors. What now?", choices, default=0)
-        except (click.Abort, NeuroTouchError):
+        except (click.Abort, KeyboardInterrupt, NeuroTouchError):
             if text != edited.text:
                 save_draft(draft, text)
             raise

@@ -45,7 +45,7 @@ def ask_values(edited: "EditedFile", text: "ProfileText", draft: Path, *, plain:
             save_edited(edited, text, plain=plain)
         else:
             say("OK", "Nothing was saved.", plain=plain)
-    except (click.Abort, NeuroTouchError):
+    except (click.Abort, KeyboardInterrupt, NeuroTouchError):
         if text != edited.text:
             save_draft(draft, text)
         raise
