@@ -13,11 +13,14 @@ from typing import Any
 
 import numba
 import numpy as np
+from numba.core import cgutils, types
 from numba.core.codegen import JITCodeLibrary, ll
 from numba.core.compiler import CompileResult, compile_result
 from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
+from numba.extending import lower_builtin, type_callable
 
+from neurotouch_hid.process.c_call import call_c
 from neurotouch_hid.process.kernel_files import (
     KernelFiles,
     read_checked,
@@ -25,6 +28,25 @@ from neurotouch_hid.process.kernel_files import (
     write_checked,
 )
 from neurotouch_hid.process.machine_code import CannotLinkError, LinkedCode, link
+
+
+@type_callable(call_c)  # type: ignore[untyped-decorator]
+def _type_call(_: Any) -> Callable[..., Any]:
+    """Tells numba what ``call_c`` returns."""
+    return lambda _function, _args: types.int32
+
+
+@lower_builtin(call_c, types.Integer, types.BaseTuple)  # type: ignore[untyped-decorator,attr-defined]
+def _lower_call(context: Any, builder: Any, signature: Any, values: tuple[Any, Any]) -> Any:
+    """Makes ``call_c`` in a kernel a call of C, whose arguments fill a register each."""
+    function, args = values
+    numbers = [
+        context.cast(builder, value, kind, types.int64)
+        for value, kind in zip(cgutils.unpack_tuple(builder, args), signature.args[1], strict=True)
+    ]
+    number = context.get_value_type(types.int64)
+    kind = cgutils.ir.FunctionType(cgutils.int32_t, [number] * len(numbers))
+    return builder.call(builder.inttoptr(function, kind.as_pointer()), numbers)
 
 
 def make_dispatcher(

@@ -273,7 +273,7 @@ class _Scripted(SimpleNamespace):
     def start(self, config: DavisConfig, receive: Callable[[bytes], Any]) -> None:
         self._receive = receive
 
-    def pump(self, timeout_s: float, rest_until_s: float) -> None:
+    def pump(self, timeout_s: float, rest_until_s: float, time_word: int) -> None:
         chunk = next(self._chunks, b"")
         if chunk:
             self._receive(chunk)

@@ -30,6 +30,7 @@ COPIED = (
     "__init__.py",
     "partial_file.py",
     "process/__init__.py",
+    "process/c_call.py",
     "process/kernel_cache.py",
     "process/kernel_compiler.py",
     "process/kernel_files.py",

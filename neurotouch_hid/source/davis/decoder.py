@@ -12,6 +12,7 @@ from neurotouch_hid.source.davis.kernels.decode import (
     BETWEEN_COLUMNS,
     COUNTERS_DTYPE,
     STATE_DTYPE,
+    WRAP_US,
     AddressLayout,
     decode,
 )
@@ -78,6 +79,7 @@ class Decoder:
         self._state["origin_us"] = self._state["now_us"] = origin_us
         self._state["y"], self._state["kind"] = -1, BETWEEN_COLUMNS
         self._clock = self._state["now_us"], self._state["is_synced"]  # views
+        self._origin_us = self._state["origin_us"]
         self.now_us, self.is_synced = origin_us, synced
         self._counters, self._stats = np.zeros(1, COUNTERS_DTYPE), DecoderStats()
         shape = (self._layout.height_px, self._layout.width_px)
@@ -116,6 +118,11 @@ class Decoder:
         now_us, is_synced = self._clock
         self.now_us, self.is_synced = now_us.item(), is_synced.item()
         return copy_events(self._events[:n]), frames
+
+    def find_word(self, t_us: int) -> int:
+        """Returns the 15 bits that the camera sends of a time."""
+        origin_us: int = self._origin_us.item()
+        return (t_us - origin_us) % WRAP_US
 
     def forget(self) -> None:
         """Starts again in mid-stream: bytes are missing; row, frame and odd byte are unknown."""

@@ -1,20 +1,31 @@
 """USB through libusb1: many transfers in flight, so that no data waits for Python.
 
-The transport calls libusb's own functions. The classes of ``usb1`` would enter Python for each
-transfer, which takes four times as long as all that is done here.
+The transport calls libusb's own functions, and those of the stream from compiled code: the classes
+of ``usb1`` would enter Python for each transfer.
 """
 
 import contextlib
+import ctypes
 import logging
 import time
-from collections import deque
-from ctypes import byref, c_char, c_int, create_string_buffer
-from typing import Any, Final, NamedTuple
+from collections.abc import Callable
+from ctypes import byref, c_int, create_string_buffer
+from typing import Any, Final
 
+import numpy as np
 import usb1
 
 from neurotouch_hid.errors import CameraBusyError, CameraError
+from neurotouch_hid.process.c_call import find_address
+from neurotouch_hid.process.kernel_cache import bind
 from neurotouch_hid.source.camera_errors import CameraGoneError
+from neurotouch_hid.source.davis.kernels.transfers import (
+    COMPLETED,
+    IN_FLIGHT,
+    Calls,
+    Transfers,
+    pump,
+)
 from neurotouch_hid.source.davis.registers import (
     ENDPOINT,
     INTERFACE,
@@ -34,15 +45,10 @@ TRANSFER_BYTES: Final = 8_192
 """A multiple of 1024, USB 3's packet, or a full packet too much would be an error. A sparse stream
 ends its transfers early; a dense one of 31 MB/s, 5 million events/s with frames, fills one in
 0.3 ms, and all of them bridge 34 ms in which Python does not come."""
-WAKE_S: Final = 60e-6
-"""The thread wakes up this time before data is needed. What has come by then is not enough."""
 DRAIN_S: Final = 5.0
 """A cancelled transfer comes back within milliseconds; Linux has lost one that takes this long."""
 
 _libusb: Final = usb1.libusb1
-_IN_FLIGHT: Final = -1
-"""Status of a transfer that has not ended; libusb writes another one."""
-
 _abandoned: list["LibusbTransport"] = []
 """Kept for ever: Linux may still write to their transfers."""
 
@@ -63,14 +69,6 @@ def _require(result: int, what: str) -> int:
     raise CameraError(f"The camera cannot be {what}: {usb1.USBError(result)}.")
 
 
-class _Transfer(NamedTuple):
-    """A transfer: the pointer to it, its structure, and the memory for its data."""
-
-    pointer: Any
-    fields: Any
-    data: Any
-
-
 class LibusbTransport:
     """A camera in a libusb context of its own, so libusb's device list is never out of date.
 
@@ -89,8 +87,13 @@ class LibusbTransport:
 
     def __init__(self, bus: int, address: int) -> None:
         self._receive: Receive = len
-        self._transfers: list[_Transfer] = []
-        self._in_flight: deque[_Transfer] = deque()  # in the order in which they will end
+        self._pointers: list[Any] = []  # to the transfers
+        self._transfers = Transfers(
+            np.zeros((N_TRANSFERS, 3), np.int64),
+            np.empty((N_TRANSFERS, TRANSFER_BYTES), np.uint8),
+            np.empty(N_TRANSFERS * TRANSFER_BYTES, np.uint8),
+        )
+        self._in_flight = np.empty(0, np.int64)  # in the order in which they will end
         self._ending = self._gone = self._halted = False
         self._closing = contextlib.ExitStack()
         self._context, self._handle = _libusb.libusb_context_p(), _libusb.libusb_device_handle_p()
@@ -98,6 +101,7 @@ class LibusbTransport:
         try:
             _require(_libusb.libusb.libusb_init(byref(self._context)), "opened")
             self._closing.callback(_libusb.libusb_exit, self._context)
+            self._pump = self._bind_pump()
             self._open(bus, address)
             self._closing.callback(_libusb.libusb_close, self._handle)
             number = c_int()
@@ -134,20 +138,22 @@ class LibusbTransport:
         self._receive = receive
         self._halted = False
         _require(_libusb.libusb_clear_halt(self._handle, ENDPOINT), "read")
-        while len(self._transfers) < N_TRANSFERS:
-            self._transfers.append(self._make_transfer())
-        for transfer in self._transfers:
-            _require(self._submit(transfer), "read")
+        while len(self._pointers) < N_TRANSFERS:
+            self._add_transfer()
+        for number in range(N_TRANSFERS):
+            _require(self._submit(number), "read")
 
-    def pump(self, timeout_s: float, rest_until_s: float) -> None:
+    def pump(self, timeout_s: float, rest_until_s: float, time_word: int) -> None:
         """Handles libusb's events; sleeps first, because the transfers keep arriving data."""
-        rest_s = rest_until_s - WAKE_S - time.monotonic()
-        if rest_s > 0:
-            time.sleep(rest_s)
-        if not self._take_ended():  # else a request has handled their events
-            self._await_transfers(timeout_s)
-        if rest_s > 0 and time.monotonic() < rest_until_s:
-            self._await_transfers(timeout_s)
+        n_bytes, error = self._pump(
+            self._in_flight, round(1e6 * timeout_s), round(1e9 * rest_until_s), time_word
+        )
+        if n_bytes:
+            self._receive(self._transfers.taken[:n_bytes].tobytes())
+        while len(self._in_flight) and self._find_status(self._in_flight[0]) > COMPLETED:
+            failed, self._in_flight = self._in_flight[0], self._in_flight[1:]
+            self._complete(failed)
+        _require(error, "read")
         if self._gone:
             self._drain()  # some transfers may have been filled before
             raise CameraGoneError("The camera is gone.")
@@ -160,8 +166,8 @@ class LibusbTransport:
         A camera whose transfers do not come back stays open: closing it would wait for them.
         """
         if self._drain():
-            while self._transfers:
-                _libusb.libusb_free_transfer(self._transfers.pop().pointer)
+            while self._pointers:
+                _libusb.libusb_free_transfer(self._pointers.pop())
             self._closing.close()
             return
         _abandoned.append(self)
@@ -184,29 +190,40 @@ class LibusbTransport:
             _libusb.libusb_free_device_list(devices, 1)
         raise CameraGoneError("The camera is gone.")
 
-    def _make_transfer(self) -> _Transfer:
-        """Returns a transfer without a callback: its status says that it has ended."""
-        pointer, data = _libusb.libusb_alloc_transfer(0), (c_char * TRANSFER_BYTES)()
-        none = _libusb.libusb_transfer_cb_fn_p()
-        _libusb.libusb_fill_bulk_transfer(
-            pointer, self._handle, ENDPOINT, data, TRANSFER_BYTES, none, None, 0
+    def _bind_pump(self) -> Callable[..., tuple[int, int]]:
+        c = ctypes.CDLL(None)
+        called = (
+            c.clock_gettime,
+            c.clock_nanosleep,
+            c.memcpy,
+            _libusb.libusb_handle_events_timeout,
+            _libusb.libusb_submit_transfer,
+            self._context,
         )
-        return _Transfer(pointer, pointer.contents, data)
+        return bind(pump, Calls(*map(find_address, called)), self._transfers)
 
-    def _submit(self, transfer: _Transfer) -> int:
-        transfer.fields.status = _IN_FLIGHT
-        result: int = _libusb.libusb_submit_transfer(transfer.pointer)
+    def _add_transfer(self) -> None:
+        """Makes a transfer without a callback: its status says that it has ended."""
+        pointer, number = _libusb.libusb_alloc_transfer(0), len(self._pointers)
+        data, none = self._transfers.data[number], _libusb.libusb_transfer_cb_fn_p()
+        _libusb.libusb_fill_bulk_transfer(
+            pointer, self._handle, ENDPOINT, data.ctypes.data, len(data), none, None, 0
+        )
+        kind, address = _libusb.libusb_transfer, find_address(pointer)
+        offsets = 0, kind.status.offset, kind.actual_length.offset
+        self._transfers.addresses[number] = [address + offset for offset in offsets]
+        self._pointers.append(pointer)
+
+    def _submit(self, number: int | np.int64) -> int:
+        self._pointers[number].contents.status = IN_FLIGHT
+        result: int = _libusb.libusb_submit_transfer(self._pointers[number])
         if not result:
-            self._in_flight.append(transfer)
+            self._in_flight = np.append(self._in_flight, number)
         return result
 
-    def _await_transfers(self, timeout_s: float) -> None:
-        """Waits until a transfer ends, unless one has ended, and takes all that have."""
-        try:
-            self._handle_events(timeout_s)
-        finally:  # data from before the failure is good
-            if not self._take_ended():
-                self._pass_over_lost()
+    def _find_status(self, number: np.int64) -> int:
+        status: int = self._pointers[number].contents.status
+        return status
 
     def _handle_events(self, timeout_s: float) -> None:
         self._wait.tv_usec = round(1e6 * timeout_s)
@@ -214,30 +231,12 @@ class LibusbTransport:
         if result and result != usb1.ERROR_INTERRUPTED:
             _require(result, "read")
 
-    def _take_ended(self) -> bool:
-        """Takes the transfers that have ended; returns whether there are any."""
-        in_flight, has_any = self._in_flight, False
-        while in_flight and in_flight[0].fields.status != _IN_FLIGHT:
-            self._complete(in_flight.popleft())
-            has_any = True
-        return has_any
-
-    def _pass_over_lost(self) -> None:
-        """Takes transfers that have ended before older ones, and waits for the older ones last.
-
-        Linux ends the transfers of an endpoint in order, so it has lost the older ones.
-        """
-        in_flight = self._in_flight
-        ended = (k for k, each in enumerate(in_flight) if each.fields.status != _IN_FLIGHT)
-        if n_lost := next(ended, 0):
-            in_flight.rotate(-n_lost)
-            self._take_ended()
-
-    def _complete(self, transfer: _Transfer) -> None:
+    def _complete(self, number: np.int64) -> None:
         """Passes on the data of an ended transfer, and submits it again."""
-        status, length = transfer.fields.status, transfer.fields.actual_length
+        fields = self._pointers[number].contents
+        status, length = fields.status, fields.actual_length
         if length:  # also of one that was cancelled or has failed
-            self._receive(transfer.data[:length])
+            self._receive(self._transfers.data[number, :length].tobytes())
         if status == usb1.TRANSFER_CANCELLED:
             return
         if status != usb1.TRANSFER_COMPLETED:
@@ -247,7 +246,7 @@ class LibusbTransport:
             self._halted |= status == usb1.TRANSFER_STALL
         if self._ending or self._gone or self._halted:
             return
-        if result := self._submit(transfer):
+        if result := self._submit(number):
             self._gone |= result == usb1.ERROR_NO_DEVICE
             self._halted |= result != usb1.ERROR_NO_DEVICE
 
@@ -258,20 +257,19 @@ class LibusbTransport:
             Whether all of it has come back.
         """
         self._ending = True
-        for transfer in self._in_flight:
-            _libusb.libusb_cancel_transfer(transfer.pointer)  # or it has ended, or is gone
+        for number in self._in_flight:
+            _libusb.libusb_cancel_transfer(self._pointers[number])  # or it has ended, or is gone
         deadline_s = time.monotonic() + DRAIN_S
-        while self._in_flight and time.monotonic() < deadline_s:
+        while len(self._in_flight) and time.monotonic() < deadline_s:
             with contextlib.suppress(CameraError):
                 self._handle_events(0.1)
-            for _ in range(len(self._in_flight)):  # in any order
-                transfer = self._in_flight.popleft()
-                if transfer.fields.status == _IN_FLIGHT:
-                    self._in_flight.append(transfer)
-                else:
-                    self._complete(transfer)
-        self._ending = bool(self._in_flight)
-        return not self._in_flight
+            has_ended = [self._find_status(number) != IN_FLIGHT for number in self._in_flight]
+            ended = self._in_flight[has_ended]  # in any order
+            self._in_flight = self._in_flight[np.logical_not(has_ended)]
+            for number in ended:
+                self._complete(number)
+        self._ending = len(self._in_flight) > 0
+        return not self._ending
 
 
 class LibusbWatch:

@@ -98,7 +98,7 @@ class PyusbTransport:
         with _explained("set going"):
             self._device.clear_halt(ENDPOINT)
 
-    def pump(self, timeout_s: float, rest_until_s: float) -> None:  # noqa: ARG002 - it has none
+    def pump(self, timeout_s: float, rest_until_s: float, time_word: int) -> None:  # noqa: ARG002
         """Reads once, immediately: nothing else buffers the data."""
         try:
             with _explained("read"):

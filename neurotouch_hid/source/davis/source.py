@@ -13,6 +13,7 @@ from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
 from neurotouch_hid.source.davis.enumeration import CameraInfo
+from neurotouch_hid.source.davis.kernels.transfers import load_pump
 from neurotouch_hid.source.davis.stream import Stream
 from neurotouch_hid.source.davis.stream_check import OutOfStepError
 from neurotouch_hid.source.davis.transport import Transport
@@ -74,8 +75,7 @@ class DavisSource(CameraSource):
             or another one that is present when the first is gone.
         config: how it is set up.
         slice_us: length of a slice.
-        part_us: length of the parts in which slices come while the gel moves; without, they come
-            whole.
+        in_parts: slices come in short parts while the gel moves.
         wait: a camera need not be there yet.
         max_delay_us: slices that wait longer for the pipeline are dropped: old data moves no stick.
         cameras: where they come from.
@@ -96,7 +96,7 @@ class DavisSource(CameraSource):
         config: DavisConfig | None = None,
         *,
         slice_us: int = 10_000,
-        part_us: int | None = None,
+        in_parts: bool = False,
         wait: bool = False,
         max_delay_us: int = MAX_DELAY_US,
         cameras: Cameras | None = None,
@@ -107,7 +107,7 @@ class DavisSource(CameraSource):
         self._cameras = cameras or Usb()
         self._sleep_s = sleep_s
         self._chosen = self._serial = serial
-        self._slice_us, self._part_us = slice_us, part_us
+        self._slice_us, self._in_parts = slice_us, in_parts
         self._pacer = SlicePacer(slice_us)
         self._wants_frames = True
         self._stream: Stream | None = None
@@ -115,6 +115,7 @@ class DavisSource(CameraSource):
         self._info: CameraInfo | None = None
         self._camera = None if wait else self._connect()
         Decoder().decode(_ANY_WORD)  # compiles or loads; a refusal comes before it
+        load_pump()
         self.name = f"davis:{self._serial}"
 
     def set_activity(self, *, is_idle: bool, wants_frames: bool = True) -> None:
@@ -222,7 +223,7 @@ class DavisSource(CameraSource):
         for whole in self._pacer.take(packet):
             self._queue.put(whole)
             self._note_progress(whole.t_end_us)
-        return self._part_us if self._pacer.wants_parts and not is_behind else None
+        return self._pacer.part_us if self._in_parts and not is_behind else None
 
     def _note(self, error: CameraError) -> None:
         self._n_restarts += isinstance(error, OutOfStepError)

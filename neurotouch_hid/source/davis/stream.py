@@ -15,7 +15,7 @@ from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
 from neurotouch_hid.source.davis.stream_check import StreamCheck
-from neurotouch_hid.source.davis.transport import StreamHaltedError
+from neurotouch_hid.source.davis.transport import ANY_TIME, StreamHaltedError
 from neurotouch_hid.source.partial import SHORTEST_US
 from neurotouch_hid.source.sensor_map import make_middle_map
 from neurotouch_hid.source.slicer import Slicer
@@ -113,10 +113,11 @@ class Stream:
             CameraError: the camera is gone, or has failed, or its stream is out of step.
         """
         asked_s = rest_until_s = self._begun_s
+        time_word = ANY_TIME
         while not closing.is_set():
             looked_s, end_us = time.monotonic(), self.end_us
             try:
-                self._pump(rest_until_s)
+                self._pump(rest_until_s, time_word)
             finally:  # data from before the failure is good
                 now_s = time.monotonic()
                 self._read(now_s)
@@ -125,7 +126,8 @@ class Stream:
             self._check(looked_s)
             if self.end_us > end_us:  # a slice: its last word has just come
                 self._pace_camera(now_s)
-            rest_until_s = now_s + self._find_rest_s()
+            rest_us, time_word = self._find_need()
+            rest_until_s = now_s + 1e-6 * rest_us
             if now_s - asked_s >= COUNT_S:
                 asked_s = now_s
                 self._count_dropped()
@@ -164,14 +166,18 @@ class Stream:
             return
         self._is_idle, self._paced_s = may_idle, now_s
 
-    def _find_rest_s(self) -> float:
-        """Returns how long after the last word no data is needed, in seconds.
+    def _find_need(self) -> tuple[int, int]:
+        """Returns how long after the last word no data is needed, and up to which time then.
 
         Reading each transfer as it comes would take half as much processor time again.
         """
         if self._is_idle:
-            return 1e-6 * CALM_REST_US
-        return 1e-6 * min(self._find_due() - self._decoder.now_us, MOST_REST_US)
+            return CALM_REST_US, ANY_TIME
+        due_us = self._find_due()
+        rest_us = due_us - self._decoder.now_us
+        if rest_us > MOST_REST_US:
+            return MOST_REST_US, ANY_TIME
+        return rest_us, self._decoder.find_word(due_us)
 
     def _find_due(self) -> int:
         """Returns when the next slice is due, or the partial slice before it."""
@@ -179,9 +185,9 @@ class Stream:
         has_partial = self._partial_us != self.end_us and due_us - self.end_us >= SHORTEST_US
         return due_us - PARTIAL_US if has_partial else due_us
 
-    def _pump(self, rest_until_s: float) -> None:
+    def _pump(self, rest_until_s: float, time_word: int) -> None:
         try:
-            self._camera.transport.pump(PUMP_S, rest_until_s)
+            self._camera.transport.pump(PUMP_S, rest_until_s, time_word)
         except StreamHaltedError:
             self._stalls_s.append(time.monotonic())
             if _are_many(self._stalls_s):

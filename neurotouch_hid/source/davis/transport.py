@@ -8,6 +8,9 @@ from neurotouch_hid.errors import CameraError
 TIMEOUT_MS = 1_000
 """How long the camera may take to answer a request."""
 
+ANY_TIME = -1
+"""No time of the camera is needed: any data will do."""
+
 Receive = Callable[[bytes], object]
 """Takes the bytes of one transfer, in the transport's thread; empty bytes: here some are lost."""
 
@@ -36,13 +39,15 @@ class Transport(Protocol):
         """
         ...
 
-    def pump(self, timeout_s: float, rest_until_s: float) -> None:
+    def pump(self, timeout_s: float, rest_until_s: float, time_word: int) -> None:
         """Delivers the data that has arrived; if there is none, waits about ``timeout_s`` for it.
 
         Args:
             timeout_s: how long to wait.
             rest_until_s: no data is needed before this time of ``time.monotonic``; a transport that
                 loses nothing meanwhile may sleep, and then wait for later data.
+            time_word: a time of the camera up to which data is needed then, 15 bits; or ANY_TIME.
+                A transport may wait a little for it.
 
         Raises:
             CameraGoneError: the camera is gone.

@@ -92,7 +92,7 @@ class ScriptedCamera:
         self.receive = receive
         self.n_queued += 1
 
-    def pump(self, timeout_s, rest_until_s):
+    def pump(self, timeout_s, rest_until_s, time_word):
         self.rests.append((time.monotonic(), rest_until_s))
         if not self.script:
             time.sleep(0.002)

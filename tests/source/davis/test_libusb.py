@@ -1,62 +1,128 @@
-"""Which transfers a read takes."""
+"""Which transfers a read takes: the compiled loop on transfers of libusb, without a camera."""
 
-from types import SimpleNamespace
+from ctypes import CFUNCTYPE, POINTER, c_int, c_long, c_void_p
 
+import numpy as np
 import pytest
 import usb1
 
+from neurotouch_hid.process.c_call import find_address
+from neurotouch_hid.process.kernel_cache import bind
+from neurotouch_hid.source.camera_errors import CameraGoneError
 from neurotouch_hid.source.davis import libusb
+from neurotouch_hid.source.davis.kernels.transfers import Calls, Transfers, pump
+from neurotouch_hid.source.davis.transport import ANY_TIME, StreamHaltedError
+
+N = 4
+REST_S = 0.004
+"""Data is needed then; the clock begins at 0."""
 
 
 class Scripted(libusb.LibusbTransport):
-    """Transfers 0 to 3, submitted again and again; ``ends`` has those that end at each look."""
+    """Transfers 0 to 3, submitted again and again; ``ends`` has those that end at each look.
 
-    def __init__(self, *ends):
-        self.received, self.ends = [], list(ends)
+    Transfer k brings the digit k, or the k-th of ``words``.
+    """
+
+    def __init__(self, *ends, late_s=0.0, words=()):
+        usb1.loadLibrary()
+        self.received, self.ends, self.words = [], list(ends), words
+        self.now_ns, self.late_ns, self.refuses = 0, round(1e9 * late_s), 0
         self._receive = self.received.append
         self._ending = self._gone = self._halted = False
-        self._in_flight = libusb.deque()
-        fields = [SimpleNamespace(actual_length=1) for _ in range(4)]
-        self.transfers = [libusb._Transfer(None, f, b"%d" % k) for k, f in enumerate(fields)]
-        for transfer in self.transfers:
-            self._submit(transfer)
+        self._pointers = []
+        self._transfers = Transfers(
+            np.zeros((N, 3), np.int64), np.zeros((N, 8), np.uint8), np.zeros(8 * N, np.uint8)
+        )
+        self._in_flight = np.arange(N)
+        self._handle = None
+        for _ in range(N):
+            self._add_transfer()
+            self._pointers[-1].contents.status = -1
+        self._kept = self._make_calls()  # or Python frees what C still calls
+        memcpy = libusb.ctypes.CDLL(None).memcpy
+        clock, sleep, handle_events, submit = map(find_address, self._kept)
+        calls = Calls(clock, sleep, find_address(memcpy), handle_events, submit, 0)
+        self._pump = bind(pump, calls, self._transfers)
 
-    def _submit(self, transfer):
-        transfer.fields.status = libusb._IN_FLIGHT
-        self._in_flight.append(transfer)
-        return 0
+    def _make_calls(self):
+        @CFUNCTYPE(c_int, c_long, POINTER(c_long))
+        def clock(_, times):
+            times[0], times[1] = divmod(self.now_ns, 1_000_000_000)
+            return 0
 
-    def _handle_events(self, timeout_s):
-        for k in self.ends.pop(0):
-            self.transfers[k].fields.status = usb1.TRANSFER_COMPLETED
+        @CFUNCTYPE(c_int, c_long, c_long, POINTER(c_long), c_void_p)
+        def sleep(_clock, _flags, times, _left):
+            self.now_ns = max(self.now_ns, 1_000_000_000 * times[0] + times[1]) + self.late_ns
+            return 0
+
+        @CFUNCTYPE(c_int, c_void_p, c_void_p)
+        def handle_events(*_):
+            self.now_ns += 50_000
+            for k in self.ends.pop(0):
+                self.end(k)
+            return 0
+
+        @CFUNCTYPE(c_int, c_void_p)
+        def submit(_):
+            return self.refuses
+
+        return clock, sleep, handle_events, submit
+
+    def end(self, k, status=usb1.TRANSFER_COMPLETED):
+        fields, data = self._pointers[k].contents, self.words[k] if self.words else b"%d" % k
+        self._transfers.data[k, : len(data)] = list(data)
+        fields.actual_length, fields.status = len(data), status
+
+    def read(self, rest_s=0.0, time_word=ANY_TIME):
+        self.pump(0.05, rest_s, time_word)
+
+    def received_at_once(self):
+        return b"".join(self.received).decode()
 
 
-@pytest.mark.parametrize(("late_s", "n"), [(0.0, 3), (0.001, 2)])
-def test_data_from_before_waits_for_the_next_unless_the_thread_wakes_late(monkeypatch, late_s, n):
-    now_s = 0.0
-
-    def sleep(rest_s):
-        nonlocal now_s
-        now_s += rest_s + late_s
-
-    clock = SimpleNamespace(monotonic=lambda: now_s, sleep=sleep)
-    monkeypatch.setattr(libusb, "time", clock)
+def test_data_that_is_needed_at_once_waits_for_nothing_more():
     transport = Scripted([0, 1], [2])
-    transport.pump(0.05, 0.004)
-    assert transport.received == [b"0", b"1", b"2"][:n]
-
-
-def test_data_that_is_needed_at_once_waits_for_nothing():
-    transport = Scripted([0, 1], [2])
-    transport.pump(0.05, 0.0)
-    assert transport.received == [b"0", b"1"]
+    transport.read()
+    assert transport.received == [b"01"]
 
 
 def test_transfers_whose_end_a_request_has_seen_are_taken_without_a_wait():
-    transport = Scripted([0])
-    transport._handle_events(0.0)
-    transport.pump(0.05, 0.0)
+    transport = Scripted()
+    transport.end(0)
+    transport.read()
     assert transport.received == [b"0"]
+
+
+@pytest.mark.parametrize(("time", "n"), [(0xFE, 1), (0xFF, 1), (0x7FFF, 1), (0x100, 2), (0x101, 3)])
+def test_a_read_goes_on_until_the_time_that_is_needed_has_come(time, n):
+    words = b"\xff\x80\x05\x30", b"\x00\x81\x06\x30", b"\x01\x81"  # times 0xFF to 0x101
+    transport = Scripted([0], [1], [2], words=words)
+    transport.read(REST_S, time)
+    assert transport.received == [b"".join(words[:n])]
+
+
+def test_a_time_that_does_not_come_is_not_waited_for_much_longer():
+    transport = Scripted(*[[0], [1], [2], [3]] * 8)
+    transport.read(REST_S, 0x100)
+    assert REST_S + 0.0003 <= 1e-9 * transport.now_ns < REST_S + 0.0004
+
+
+def test_more_than_a_read_can_take_stays_in_order():
+    words = [bytes([0, 0x81]) * 3 + bytes([k, 0x30]) for k in range(N)]
+    transport = Scripted([0, 1, 2, 3], [0, 1, 2], [3], words=words)
+    transport.read(REST_S, 0x101)
+    assert transport.received == [b"".join(words)]
+    transport.read()
+    transport.read()
+    assert transport.received[1:] == [b"".join(words[:3]), words[3]]
+
+
+def test_a_thread_that_wakes_late_takes_what_is_there():
+    transport = Scripted([1], late_s=0.001)
+    transport.end(0)
+    transport.read(REST_S, 0x100)
+    assert transport.received == [b"01"]
 
 
 @pytest.mark.parametrize(
@@ -71,13 +137,33 @@ def test_transfers_whose_end_a_request_has_seen_are_taken_without_a_wait():
 def test_lost_transfers_do_not_hold_up_the_others_and_stay_in_flight(ends, received):
     transport = Scripted(*ends)
     while transport.ends:
-        transport.pump(0.05, 0.0)
-    assert b"".join(transport.received).decode() == received
-    assert len(transport._in_flight) == 4
+        transport.read()
+    assert transport.received_at_once() == received
+    assert len(transport._in_flight) == N
 
 
 def test_a_transfer_that_ends_late_is_used_again():
     transport = Scripted([2], [3, 0, 1], [2, 3, 0, 1])
     while transport.ends:
-        transport.pump(0.05, 0.0)
-    assert transport.received == [b"2", b"3", b"0", b"1", b"2", b"3", b"0", b"1"]
+        transport.read()
+    assert transport.received_at_once() == "23012301"
+
+
+def test_a_transfer_that_has_failed_is_told_after_the_data_before_it():
+    transport = Scripted([0])
+    transport.end(1, usb1.TRANSFER_ERROR)
+    transport._submit = lambda number: 0
+    transport.read()
+    assert transport.received == [b"0", b"1", b""]
+
+
+@pytest.mark.parametrize(
+    ("error", "raised"),
+    [(usb1.ERROR_NO_DEVICE, CameraGoneError), (usb1.ERROR_IO, StreamHaltedError)],
+)
+def test_a_camera_that_takes_no_transfer_back_is_an_error_after_its_data(error, raised):
+    transport = Scripted([0, 1])
+    transport.refuses, transport._drain = error, lambda: True
+    with pytest.raises(raised):
+        transport.read()
+    assert transport.received[0] == b"0"

@@ -1,0 +1,183 @@
+"""Compiled loop that waits for libusb's transfers, takes their data, and submits them again.
+
+Python would take 10 µs for each transfer. Here it is entered when the data of a slice has come.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from neurotouch_hid.process.c_call import call_c
+from neurotouch_hid.process.kernel_cache import kernel, load
+from neurotouch_hid.source.davis.kernels.decode import WRAP_US
+from neurotouch_hid.source.davis.transport import ANY_TIME
+
+Numbers = NDArray[np.int64]
+Bytes = NDArray[np.uint8]
+
+IN_FLIGHT, COMPLETED, STALLED, GONE = -1, 0, 4, 5
+"""States of a transfer: ours, for one that has not ended, and those of libusb."""
+
+_NO_DEVICE, _INTERRUPTED = -4, -10  # errors of libusb
+_MONOTONIC, _ABSOLUTE = 1, 1  # clock and flag of Linux
+_INT_BYTES = 4
+_SECOND_NS, _SECOND_US = 1_000_000_000, 1_000_000
+_WAKE_NS = 60_000
+"""The thread wakes up this time before data is needed. What has come by then is not enough."""
+_PATIENCE_NS = 300_000
+"""It waits this long for the time that is needed: at rest words are rare."""
+
+
+class Calls(NamedTuple):
+    """Addresses of the functions of C that are called, and libusb's context."""
+
+    clock_gettime: int
+    clock_nanosleep: int
+    memcpy: int
+    handle_events: int
+    submit: int
+    context: int
+
+
+class Transfers(NamedTuple):
+    """The transfers of a stream.
+
+    Attributes:
+        addresses: (n, 3) int64, of each transfer, of its status and of its length.
+        data: (n, bytes) uint8 that they write to.
+        taken: (n * bytes,) uint8, what was taken.
+    """
+
+    addresses: Numbers
+    data: Bytes
+    taken: Bytes
+
+
+@kernel
+def pump(
+    calls: Calls,
+    transfers: Transfers,
+    in_flight: Numbers,
+    timeout_us: int,
+    rest_until_ns: int,
+    time_word: int,
+) -> tuple[int, int]:
+    """Sleeps, waits for transfers to end, and takes them.
+
+    One that was taken is in flight again, behind the others. One that has failed is left in front.
+
+    Args:
+        calls: what is called.
+        transfers: all transfers.
+        in_flight: (m,) int64, numbers of those in flight, in the order in which they will end.
+        timeout_us: how long to wait for a transfer.
+        rest_until_ns: no data is needed before this time of the monotonic clock.
+        time_word: time of the camera up to which data is needed then, 15 bits; or ANY_TIME.
+
+    Returns:
+        How many bytes were taken, and 0 or an error of libusb.
+    """
+    times = np.empty(2, np.int64)
+    wake_ns = rest_until_ns - _WAKE_NS
+    times[0], times[1] = wake_ns // _SECOND_NS, wake_ns % _SECOND_NS
+    call_c(calls.clock_nanosleep, (_MONOTONIC, _ABSOLUTE, times.ctypes.data, 0))
+    result, begin, end = 0, 0, _take(calls, transfers, in_flight, 0)
+    is_enough = end > 0 and _has_come(transfers.taken[:end], time_word)
+    while not (is_enough or _has_failed(calls, transfers, in_flight)):
+        times[0], times[1] = timeout_us // _SECOND_US, timeout_us % _SECOND_US
+        result = call_c(calls.handle_events, (calls.context, times.ctypes.data))
+        begin, end = end, _take(calls, transfers, in_flight, end)
+        if begin == end:
+            _pass_over_lost(calls, transfers, in_flight)
+            end = _take(calls, transfers, in_flight, end)
+        call_c(calls.clock_gettime, (_MONOTONIC, times.ctypes.data))
+        is_late = _SECOND_NS * times[0] + times[1] >= rest_until_ns + _PATIENCE_NS
+        has_none = begin == end or result != 0
+        is_enough = is_late or has_none or _has_come(transfers.taken[begin:end], time_word)
+    return end, 0 if result == _INTERRUPTED else result
+
+
+def load_pump() -> None:
+    """Compiles or loads ``pump``, before a camera's data waits for it."""
+    numbers, data = np.empty((0, 3), np.int64), np.empty((0, 0), np.uint8)
+    transfers = Transfers(numbers, data, data.ravel())
+    load(pump, Calls(0, 0, 0, 0, 0, 0), transfers, numbers.ravel(), 0, 0, 0)
+
+
+@kernel
+def _take(calls: Calls, transfers: Transfers, in_flight: Numbers, end: int) -> int:
+    """Takes those in front that are complete; returns how many bytes were taken so far."""
+    n, size = 0, transfers.data.shape[1]
+    while n < len(in_flight) and end + size <= len(transfers.taken):
+        number = in_flight[n]
+        transfer, status_at, length_at = transfers.addresses[number]
+        if _read(calls, status_at) != COMPLETED:
+            break
+        length = _read(calls, length_at)
+        transfers.taken[end : end + length] = transfers.data[number, :length]
+        end += length
+        _write(calls, status_at, IN_FLIGHT)
+        error = call_c(calls.submit, (transfer,))
+        if error:
+            _write(calls, length_at, 0)
+            _write(calls, status_at, GONE if error == _NO_DEVICE else STALLED)
+            break
+        n += 1
+    _move_back(in_flight, n)
+    return end
+
+
+@kernel
+def _has_failed(calls: Calls, transfers: Transfers, in_flight: Numbers) -> bool:
+    """Returns True if the transfer in front has failed, or could not be submitted again."""
+    if not len(in_flight):
+        return False
+    status: int = _read(calls, transfers.addresses[in_flight[0], 1])
+    return status > COMPLETED
+
+
+@kernel
+def _pass_over_lost(calls: Calls, transfers: Transfers, in_flight: Numbers) -> None:
+    """Moves transfers back that have not ended before younger ones.
+
+    Linux ends the transfers of an endpoint in order, so it has lost them. They are waited for last.
+    """
+    for n in range(len(in_flight)):
+        if _read(calls, transfers.addresses[in_flight[n], 1]) != IN_FLIGHT:
+            _move_back(in_flight, n)
+            return
+
+
+@kernel
+def _move_back(in_flight: Numbers, n: int) -> None:
+    """Puts the first n behind the others."""
+    if n:
+        in_flight[:] = np.concatenate((in_flight[n:], in_flight[:n]))
+
+
+@kernel
+def _has_come(data: Bytes, time_word: int) -> bool:
+    """Returns True if any data will do, or the last time in it is not before that of the word."""
+    if time_word == ANY_TIME:
+        return True
+    for k in range(len(data) - 1, 0, -2):
+        if data[k] & 0x80:  # the high byte of a time
+            word = np.int64(data[k]) << 8 | np.int64(data[k - 1])
+            return bool((word - time_word) % WRAP_US < WRAP_US // 2)
+    return False
+
+
+@kernel
+def _read(calls: Calls, address: int) -> int:
+    value = np.empty(1, np.int32)
+    call_c(calls.memcpy, (value.ctypes.data, address, _INT_BYTES))
+    number: int = value[0]
+    return number
+
+
+@kernel
+def _write(calls: Calls, address: int, number: int) -> None:
+    value = np.empty(1, np.int32)
+    value[0] = number
+    call_c(calls.memcpy, (address, value.ctypes.data, _INT_BYTES))
