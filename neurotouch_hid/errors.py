@@ -22,6 +22,9 @@ The exit codes of the command line::
 The command line adds 0 (done), 2 (wrong usage) and 130 (Ctrl-C before the work was done).
 """
 
+from pathlib import Path
+from typing import Self
+
 from neurotouch_hid.printable import make_lines_printable
 
 
@@ -37,6 +40,18 @@ class NeuroTouchError(Exception):
         self.message = make_lines_printable(message)
         self.hint = None if hint is None else make_lines_printable(hint)
         super().__init__(self.message)
+
+    @classmethod
+    def of_writing(cls, path: Path, error: OSError) -> Self:
+        """Returns the error about a file or folder that cannot be written.
+
+        Args:
+            path: as the person calls it.
+            error: what the system said.
+        """
+        from neurotouch_hid.partial_file import suggest_fix  # noqa: PLC0415  # a panic needs none
+
+        return cls(f"'{path}' cannot be written: {error.strerror}.", hint=suggest_fix(error))
 
 
 class EndOfInputError(NeuroTouchError):

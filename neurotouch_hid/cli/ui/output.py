@@ -5,9 +5,8 @@ import os
 import sys
 import time
 from collections.abc import Callable, Sequence
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -55,25 +54,8 @@ def plain_option(command: Command) -> Command:
     )(command)
 
 
-def json_option(command: Command) -> Command:
-    """Adds ``--json``, which gives the command its ``as_json`` argument.
-
-    With it, a failure is JSON too, with the same keys as every outcome: the error, and the fix. The
-    exit code is the same.
-    """
-
-    @wraps(command)
-    def answer(*args: Any, as_json: bool, **settings: Any) -> Any:
-        try:
-            return command(*args, as_json=as_json, **settings)
-        except NeuroTouchError as error:
-            if not as_json:
-                raise
-            print_json({"status": "FAILED", "message": error.message, "fix": error.hint})
-            sys.exit(error.exit_code)
-
-    option = click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")
-    return cast(Command, option(answer))
+json_option = click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")
+"""Gives a command its ``as_json`` argument. With it a failure is JSON too, see ``LazyGroup``."""
 
 
 def is_plain(*, asked: bool = False) -> bool:
@@ -154,7 +136,7 @@ def save_text(path: Path, text: str) -> None:
     try:
         write_whole(path, text.encode())
     except OSError as error:
-        raise _explain(path, error) from error
+        raise NeuroTouchError.of_writing(path, error) from error
 
 
 def require_writable(path: Path) -> None:
@@ -166,14 +148,7 @@ def require_writable(path: Path) -> None:
     try:
         try_writing(path)
     except OSError as error:
-        raise _explain(path, error) from error
-
-
-def _explain(path: Path, error: OSError) -> NeuroTouchError:
-    return NeuroTouchError(
-        f"'{path}' cannot be written: {error.strerror}.",
-        hint="Choose a folder that exists, with room, that you may write to.",
-    )
+        raise NeuroTouchError.of_writing(path, error) from error
 
 
 def make_stamp() -> str:
