@@ -15,7 +15,7 @@ The exit codes of the command line::
     ├── StreamError            1   states cannot be sent to other programs
     ├── PluginError            1   a method or source of another package cannot be used
     ├── DesktopError           1   the desktop does not say which window is active
-    └── DriverError            8   the running driver cannot be reached, or it refuses
+    └── DriverError            8   the running driver cannot be reached, refuses or does not end
         ├── NotRunningError    8   no driver is running
         └── AlreadyRunningError  75  another driver is running, which goes on undisturbed
 
@@ -109,7 +109,7 @@ class PageError(NeuroTouchError):
 
 
 class DriverError(NeuroTouchError):
-    """The running driver cannot be reached, or it refuses."""
+    """The running driver cannot be reached, refuses, or does not end."""
 
     exit_code = 8
 
