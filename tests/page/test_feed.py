@@ -13,12 +13,12 @@ from neurotouch_hid.driver_state import read_head
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.ipc import FEED, connect_to
 from neurotouch_hid.monitor.encoder import StateEncoder
-from neurotouch_hid.monitor.publisher import MOST_HZ, MOST_SUBSCRIBERS, Publisher
+from neurotouch_hid.monitor.publisher import MOST_SUBSCRIBERS, Publisher
 from neurotouch_hid.page.text_view import LineWriter, draw_picture
 from neurotouch_hid.profile import UserSettings
 from neurotouch_hid.profile.reading.load import parse_profile
 from neurotouch_hid.runtime import Pipeline, PipelineControl
-from neurotouch_hid.subscriber import Subscriber
+from neurotouch_hid.subscriber import MOST_HZ, Subscriber
 from tests.waiting import wait_until
 
 LIMIT_S = 60.0
