@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from ruamel.yaml import YAML
 
 from neurotouch_hid.cli.main import cli
-from neurotouch_hid.cli.profile import guide
+from neurotouch_hid.cli.profile import saving
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from tests.processes import run_command, run_neurotouch, start_neurotouch
@@ -525,7 +525,7 @@ def test_an_editor_that_fails_is_named(monkeypatch, editor):
 def test_a_change_that_cannot_be_saved_is_kept_as_a_draft(home, monkeypatch, answers):
     run("profile", "new", "mine")
     if len(answers) > 4:
-        monkeypatch.setattr(guide, "save_edited", refuse)
+        monkeypatch.setattr(saving, "save_edited", refuse)
     assert run("profile", "edit", "mine", answers=answers)[1] != 0
     assert "timing: game" in (home / "profiles/.drafts/mine.yaml").read_text(encoding="utf-8")
 

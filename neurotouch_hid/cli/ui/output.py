@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
 Command = TypeVar("Command", bound=Callable[..., Any])
 
+_COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red"}
+
 
 def echo(text: str, *, err: bool = False, nl: bool = True) -> None:
     """Prints lines of text. All commands print with it, whatever the text quotes.
@@ -77,8 +79,7 @@ def paint(text: str, colour: str, *, plain: bool) -> str:
 
 def say(status: str, sentence: str, fix: str = "", *, plain: bool = True) -> None:
     """Prints a line that begins with its status, and the next step below."""
-    colours = {"OK": "green", "WARNING": "yellow", "FAILED": "red"}
-    click.echo(f"{paint(status, colours.get(status, 'cyan'), plain=plain)} ", nl=False)
+    click.echo(f"{paint(status, _COLOURS.get(status, 'cyan'), plain=plain)} ", nl=False)
     echo(sentence)
     if fix:
         echo(f"Fix: {fix}")
@@ -86,8 +87,7 @@ def say(status: str, sentence: str, fix: str = "", *, plain: bool = True) -> Non
 
 def show_finding(finding: "Finding", *, plain: bool) -> None:
     """Prints a finding of the doctor: its status, its sentence, its fix."""
-    colours = {"OK": "green", "WARNING": "yellow", "FAILED": "red"}
-    status = paint(f"{finding.status:<8}", colours.get(finding.status, "cyan"), plain=plain)
+    status = paint(f"{finding.status:<8}", _COLOURS.get(finding.status, "cyan"), plain=plain)
     click.echo(f"{status} ", nl=False)
     echo(f"{finding.check}: {finding.sentence}")
     if finding.fix:
