@@ -111,7 +111,7 @@ def test_a_state_tells_what_the_line_does(line, listener):
     assert best["pad"]["axes"]["left_x"] > 0.7
     assert best["slow"]["source"] == "sim:push"
     assert best["slow"]["window_ms"] == 10.0
-    assert best["state"], best["layer"] == ("running", "base")
+    assert (best["state"], best["layer"]) == ("running", "base")
     assert [head["n"] for head in heads] == sorted({head["n"] for head in heads})
     actions = heads[-1]["actions"]
     assert [each[1] for each in actions] == ["ignored"]
@@ -123,7 +123,7 @@ def test_a_state_tells_what_the_line_does(line, listener):
     assert moved[:, 0].max() == pytest.approx(7.0, abs=0.8)
     assert np.abs(moved[:, 1]).max() < 3.0
     valid = np.frombuffer(state, np.uint8, 177, 8 + length + 1416)
-    assert valid.sum() == heads[heads.index(best)]["slow"]["tracked"] or valid.sum() > 150
+    assert valid.sum() > 150
 
 
 def test_before_the_gel_is_found_a_state_is_whole_too(line, listener, push):
