@@ -20,7 +20,7 @@ const PASSWORD = "This computer then asks for the password of an administrator."
 const PLACE = "start-lines"; // of what a request has led to
 
 // `ask(request, place)` asks for something. `lose()` is called when the present states are over, and
-// `changed()` when the page is to be shown anew.
+// `changed()` when something else is to be shown.
 export function makeStart(find, { page, ask, say, lose, changed }) {
   let state = null; // of the driver
   let situation = null;
