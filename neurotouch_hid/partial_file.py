@@ -112,6 +112,8 @@ def suggest_fix(error: OSError) -> str:
             return explain_missing_right(error, "write there")
         case _ if not isinstance(error.filename, str):  # while it was written
             return "Choose another disk: this one cannot take it."
+        case errno.ENOENT if not Path(error.filename).parent.is_dir():
+            return "Make the folder, or choose another."
         case _:
             return f"See what each part of its path is: {_show_path(error)}"
 

@@ -186,10 +186,17 @@ def test_what_to_do_is_said_by_the_reason(number, fix):
 
 
 def test_an_error_names_the_file_and_not_the_part_beside_it(tmp_path):
-    path = tmp_path / "gone" / "a.json"
+    (tmp_path / "file").touch()
+    path = tmp_path / "file" / "a.json"
     with pytest.raises(NeuroTouchError) as caught:
         save_json(path, {})
     assert caught.value.hint == f"See what each part of its path is: namei -l {path}"
+
+
+def test_a_folder_that_is_missing_is_to_be_made(tmp_path):
+    with pytest.raises(NeuroTouchError, match="No such file or directory") as caught:
+        save_json(tmp_path / "gone" / "a.json", {})
+    assert caught.value.hint == "Make the folder, or choose another."
 
 
 def test_a_missing_right_is_explained_with_the_folders_above(tmp_path):

@@ -374,5 +374,5 @@ def test_file_that_cannot_be_used_is_named_in_a_sentence(monkeypatch, capsys):
         command_line.main()
     sys.stdout = stdout
     said = "Error: The file 'gone/x' cannot be used: No such file or directory.\n"
-    fix = "Fix: See what each part of its path is: namei -l gone/x\n"
+    fix = "Fix: Make the folder, or choose another.\n"
     assert capsys.readouterr().err == said + fix
