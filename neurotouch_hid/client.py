@@ -224,9 +224,16 @@ def wait_until_ended(folder: Path) -> None:
         if time.monotonic() > deadline:
             raise DriverError(
                 f"The driver has not ended within {ENDING_S:g} s.",
-                hint="Its pad is released. See: neurotouch status",
+                hint=f"Its pad is released. To end it at once: kill -9 {read_pid(folder) or 'PID'}",
             )
         time.sleep(_AGAIN_S)
+
+
+def read_pid(folder: Path) -> str:
+    """Returns the number of a driver's process, which is in its lock; empty if it is unknown."""
+    with suppress(OSError):
+        return (folder / "lock").read_bytes()[:20].decode("ascii", "replace").strip()
+    return ""
 
 
 def _ask_any(

@@ -15,12 +15,15 @@ The exit codes of the command line::
     ├── StreamError            1   states cannot be sent to other programs
     ├── PluginError            1   a method or source of another package cannot be used
     ├── DesktopError           1   the desktop does not say which window is active
-    └── DriverError            8   the running driver cannot be reached, or it refuses
+    └── DriverError            8   the running driver cannot be reached, refuses or does not end
         ├── NotRunningError    8   no driver is running
         └── AlreadyRunningError  75  another driver is running, which goes on undisturbed
 
 The command line adds 0 (done), 2 (wrong usage) and 130 (Ctrl-C before the work was done).
 """
+
+from pathlib import Path
+from typing import Self
 
 from neurotouch_hid.printable import make_lines_printable
 
@@ -37,6 +40,18 @@ class NeuroTouchError(Exception):
         self.message = make_lines_printable(message)
         self.hint = None if hint is None else make_lines_printable(hint)
         super().__init__(self.message)
+
+    @classmethod
+    def of_writing(cls, path: Path, error: OSError) -> Self:
+        """Returns the error about a file or folder that cannot be written.
+
+        Args:
+            path: as the person calls it.
+            error: what the system said.
+        """
+        from neurotouch_hid.partial_file import suggest_fix  # noqa: PLC0415  # a panic needs none
+
+        return cls(f"'{path}' cannot be written: {error.strerror}.", hint=suggest_fix(error))
 
 
 class EndOfInputError(NeuroTouchError):
@@ -94,7 +109,7 @@ class PageError(NeuroTouchError):
 
 
 class DriverError(NeuroTouchError):
-    """The running driver cannot be reached, or it refuses."""
+    """The running driver cannot be reached, refuses, or does not end."""
 
     exit_code = 8
 

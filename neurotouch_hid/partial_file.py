@@ -35,9 +35,14 @@ class PartialFile:
             return
         self._path = Path(os.path.realpath(path))  # also of a link to itself
         self._part = self._path.with_name(f".{path.name}.{os.getpid()}.partial")
-        self._part.unlink(missing_ok=True)  # of a process that had this number before a power cut
-        # Another user who may write to the folder could have put a link there.
-        descriptor = _open(self._part, os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW)
+        try:
+            # One may be left of a process that had this number before a power cut.
+            self._part.unlink(missing_ok=True)
+            # Another user who may write to the folder could have put a link there.
+            descriptor = _open(self._part, os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW)
+        except OSError as error:
+            error.filename = str(path)  # the name that the person knows
+            raise
         self.file = os.fdopen(descriptor, "wb", buffering=0)
 
     def commit(self) -> None:
@@ -107,6 +112,8 @@ def suggest_fix(error: OSError) -> str:
             return explain_missing_right(error, "write there")
         case _ if not isinstance(error.filename, str):  # while it was written
             return "Choose another disk: this one cannot take it."
+        case errno.ENOENT if not Path(error.filename).parent.is_dir():
+            return "Make the folder, or choose another."
         case _:
             return f"See what each part of its path is: {_show_path(error)}"
 

@@ -10,6 +10,8 @@ from neurotouch_hid.ipc import FEED, connect_to
 from neurotouch_hid.players import list_runtime_folders
 
 LARGEST_BYTES: Final = 64 * 1024
+MOST_HZ: Final = 60
+"""So many states a second a driver sends at most."""
 
 
 class Subscriber(Closing):

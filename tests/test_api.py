@@ -233,6 +233,7 @@ LIGHT = {
     "ipc",
     "messages",
     "players",
+    "lazy",
     "printable",
     "driver_state",
     "status",

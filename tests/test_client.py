@@ -113,10 +113,12 @@ def test_a_driver_may_take_its_time_to_end(clock, ends_s):
     assert clock.slept == 2 * ends_s
 
 
-def test_a_driver_that_does_not_end_is_an_error(clock):
+def test_a_driver_that_does_not_end_is_an_error_that_names_its_process(clock, tmp_path):
     clock.ends_s = client.ENDING_S + 1.0
-    with pytest.raises(DriverError, match="has not ended within 10 s"):
-        client.wait_until_ended(Path("/nowhere"))
+    (tmp_path / "lock").write_text("1234\n")
+    with pytest.raises(DriverError, match="has not ended within 10 s") as caught:
+        client.wait_until_ended(tmp_path)
+    assert caught.value.hint.endswith("To end it at once: kill -9 1234")
 
 
 def test_a_driver_runs_that_answers(monkeypatch):

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.cli.ui.output import save_json
+from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.files.small_file import suggest_reading
 from neurotouch_hid.partial_file import PartialFile, suggest_fix, try_writing, write_whole
 
@@ -182,6 +183,20 @@ def test_the_json_of_a_command_may_go_to_a_device(tmp_path):
 )
 def test_what_to_do_is_said_by_the_reason(number, fix):
     assert fix in suggest_fix(OSError(number, os.strerror(number)))
+
+
+def test_an_error_names_the_file_and_not_the_part_beside_it(tmp_path):
+    (tmp_path / "file").touch()
+    path = tmp_path / "file" / "a.json"
+    with pytest.raises(NeuroTouchError) as caught:
+        save_json(path, {})
+    assert caught.value.hint == f"See what each part of its path is: namei -l {path}"
+
+
+def test_a_folder_that_is_missing_is_to_be_made(tmp_path):
+    with pytest.raises(NeuroTouchError, match="No such file or directory") as caught:
+        save_json(tmp_path / "gone" / "a.json", {})
+    assert caught.value.hint == "Make the folder, or choose another."
 
 
 def test_a_missing_right_is_explained_with_the_folders_above(tmp_path):

@@ -49,7 +49,7 @@ def stop(as_json: bool) -> None:
     """End the running driver; everything is released first. If none runs, nothing is to be done.
 
     The system's service ends with: sudo systemctl stop neurotouch. To release everything and
-    continue later, use pause or panic.
+    continue later, use pause or panic. Exit code 8 if the driver has not ended after 10 s.
     """
     raise SystemExit(send_command("stop", as_json=as_json))
 

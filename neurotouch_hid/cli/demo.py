@@ -9,6 +9,7 @@ import click
 
 from neurotouch_hid.cli.ui.completing import complete_profile_or_path, complete_scene
 from neurotouch_hid.cli.ui.options import gel_option, method_option, seconds_option
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ def command(
     )
     check_start(options)
     from neurotouch_hid.cli.shared.demo_page import open_page
-    from neurotouch_hid.cli.shared.play import announce, play
+    from neurotouch_hid.cli.shared.play import play
     from neurotouch_hid.driver import Driver
     from neurotouch_hid.driver.gel_file import choose_gel
     from neurotouch_hid.players import find_runtime_folder
@@ -115,7 +116,7 @@ def command(
             open_source, options.source, repeats=True, gel=drawn, finder=GelFinder(drawn)
         )
     with (
-        Driver(options, announce=announce, make_source=make_source) as driver,
+        Driver(options, announce=partial(echo, err=True), make_source=make_source) as driver,
         ExitStack() as stack,
     ):
         if isinstance(driver.source, MouseSource):

@@ -4,6 +4,7 @@ import os
 import shlex
 import sys
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import click
@@ -89,7 +90,7 @@ def command(
 
         check_folder(report_path)
     methods = tuple(dict.fromkeys(methods))
-    echo("Playing (the first time compiles for this processor, half a minute or more).", err=True)
+    echo("Playing ...", err=True)
     evaluations = dict[str, Evaluation]()
     done = 0
 
@@ -102,7 +103,9 @@ def command(
         if len(methods) > 1:
             echo(f"Method {method}", err=True)
         options = replace(REFERENCE, method=method, rate_hz=rate_hz, gel=gel)
-        evaluations[method] = evaluate_files(files, options, jobs=jobs, progress=tell)
+        evaluations[method] = evaluate_files(
+            files, options, jobs=jobs, progress=tell, announce=partial(echo, err=True)
+        )
     reports = {method: evaluation.report() for method, evaluation in evaluations.items()}
     origin = trace_origin(files, shlex.join(["neurotouch", *sys.argv[1:]]))
     if json_path is not None:

@@ -164,10 +164,7 @@ def command(
         try:
             write_archive(out, report, session.spans, path, settings)
         except OSError as error:
-            raise NeuroTouchError(
-                f"'{out}' cannot be written: {error.strerror}.",
-                hint="Make room on this disk, or give a name in another folder.",
-            ) from error
+            raise NeuroTouchError.of_writing(out, error) from error
         _tell(report, told, plain=plain)
         told.say(f"All of it is in {out}. Nothing was sent.")
         if settings:

@@ -85,8 +85,8 @@ def cli(ctx: click.Context) -> None:
     Without a command: the present state, the next step and, on a desktop, the page.
 
     Exit codes: 0 done, 1 other failure, 2 wrong usage, 3 source, 4 recording or labels, 5 no gel in
-    the picture, 6 profile, 7 virtual gamepad, 8 no driver runs, or it refuses, 75 another driver
-    runs or another program has the camera, 130 interrupted.
+    the picture, 6 profile, 7 virtual gamepad, 8 no driver runs, or it refuses or does not
+    end, 75 another driver runs or another program has the camera, 130 interrupted.
     """
     if ctx.invoked_subcommand is None:
         from neurotouch_hid.cli.ui.welcome import has_desktop, welcome
@@ -115,7 +115,6 @@ def main() -> None:
     except click.UsageError as error:
         from neurotouch_hid.cli.ui.usage_errors import explain_usage
 
-        error.ctx = error.ctx or _find_context(sys.argv[1:])
         code = _tell(*explain_usage(error), error.exit_code)
     except (KeyboardInterrupt, click.Abort):
         print_error("Stopped.")
@@ -171,17 +170,6 @@ def _run() -> Any:
         if isinstance(error.__context__, EOFError):
             raise EndOfInputError from None
         raise
-
-
-def _find_context(words: list[str]) -> click.Context:
-    """Returns the context of the called command, which click leaves out of some errors."""
-    ctx = click.Context(cli, info_name="neurotouch")
-    for word in words:
-        group = ctx.command
-        found = group.get_command(ctx, word) if isinstance(group, click.Group) else None
-        if found is not None:
-            ctx = click.Context(found, info_name=word, parent=ctx)
-    return ctx
 
 
 def _tell(message: str, hint: str | None, exit_code: int) -> int:

@@ -20,9 +20,9 @@ LOOK_S = 0.25
     "Ctrl-C; the driver continues. The same as a page: neurotouch view"
 )
 @plain_option
-@click.option("--json", "as_json", is_flag=True, help="Print each state as one line of JSON.")
+@click.option("--json", "as_lines", is_flag=True, help="Print each state as one line of JSON.")
 @click.option("--seconds", type=Finite(min=0.1), help="End after this many seconds.")
-def command(plain: bool, as_json: bool, seconds: float | None) -> None:
+def command(plain: bool, as_lines: bool, seconds: float | None) -> None:
     """Show the running driver: gesture, pad, ignored gestures with the reason, times, health.
 
     Exit code 0 when the driver or the time ends, 8 if no driver started within --seconds, 130
@@ -57,7 +57,7 @@ def command(plain: bool, as_json: bool, seconds: float | None) -> None:
         if state is None:
             continue
         head = read_head(state)
-        if as_json:
+        if as_lines:
             echo(json.dumps(head, ensure_ascii=False))
         elif plain:
             for line in writer.write(head, time.monotonic()):

@@ -1,5 +1,6 @@
 """``neurotouch run``: drives the gamepad from a source, by ``driver/driver.py``."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -16,6 +17,7 @@ from neurotouch_hid.cli.ui.options import (
     source_option,
     speed_option,
 )
+from neurotouch_hid.cli.ui.output import echo
 
 if TYPE_CHECKING:
     from neurotouch_hid.driver import DeviceKind
@@ -124,10 +126,10 @@ def command(
     )
     try:
         check_start(options)
-        from neurotouch_hid.cli.shared.play import announce, play
+        from neurotouch_hid.cli.shared.play import play
         from neurotouch_hid.driver import Driver
 
-        with Driver(options, announce=announce) as driver:
+        with Driver(options, announce=partial(echo, err=True)) as driver:
             play(driver, show=show, trace=trace, seconds=seconds)
     except DeviceError as error:
         if device == "memory":

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from neurotouch_hid.cli.ui.completing import complete_source
+from neurotouch_hid.cli.ui.output import echo
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -39,7 +40,6 @@ def command(source: str | None, only_compile: bool) -> None:
     no settings, those in /etc/neurotouch apply: service.yaml, user.yaml and profiles. The service
     of player 2 is neurotouch@2, with the folder /etc/neurotouch/player-2.
     """
-    from neurotouch_hid.cli.shared.play import announce
     from neurotouch_hid.driver import Driver, DriverOptions
     from neurotouch_hid.driver.admission import find_seated_users
     from neurotouch_hid.driver.camera_watchdog import CameraWatchdog
@@ -65,7 +65,7 @@ def command(source: str | None, only_compile: bool) -> None:
     )
     driver = Driver(
         options,
-        announce=announce,
+        announce=partial(echo, err=True),
         make_device=partial(_make_pad, manager),
         guests=find_seated_users,
         people=People(find_people_folder(), options.player),

@@ -19,6 +19,7 @@ import click
 from neurotouch_hid.cli.session_window import WindowTeller
 from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.closing import Closing
+from neurotouch_hid.files.stamps import Stamp, read_stamps
 
 if TYPE_CHECKING:
     import socket
@@ -40,9 +41,6 @@ HZ: Final = 30
 
 HandOver = Callable[[int], bool]
 """Hands the settings of a player to the running driver; returns whether the driver has them."""
-
-_Stamp = tuple[str, int, int, int]
-"""A file: its path, its number, when it was changed in ns, its size in bytes."""
 
 
 @click.command(
@@ -132,9 +130,9 @@ class _Link(Closing):
         self._announce = announce
         self._subscriber = Subscriber(player)
         self._connect_s = 0.0
-        self._values: list[_Stamp] = []
-        self._given: list[_Stamp] | None = None
-        self._tried: list[_Stamp] | None = None
+        self._values: dict[Path, Stamp] = {}
+        self._given: dict[Path, Stamp] | None = None
+        self._tried: dict[Path, Stamp] | None = None
         self._give_s = self._pause_s = 0.0
         self._sound: StreamSound | None = None
         self._window = WindowTeller(player, announce)
@@ -225,7 +223,7 @@ class _Link(Closing):
         if files == self._values:
             return
         self._values = files
-        if self._sound is None and not any(_mentions_sound(path) for path, *_ in files):
+        if self._sound is None and not any(map(_mentions_sound, files)):
             return  # what reads and plays them takes 33 MB
         from neurotouch_hid.errors import NeuroTouchError
         from neurotouch_hid.monitor.stream_sound import StreamSound
@@ -241,32 +239,23 @@ class _Link(Closing):
         self._sound.feedback = feedback
 
 
-def _stamp_settings(player: int) -> list[_Stamp]:
+def _stamp_settings(player: int) -> dict[Path, Stamp]:
     """Returns the person's files as they are now: values and profiles."""
     from neurotouch_hid.players import find_config_folder, find_user_file
 
-    return _stamp([find_user_file(player), *find_config_folder().glob("profiles/*.yaml")])
+    return read_stamps([find_user_file(player), *find_config_folder().glob("profiles/*.yaml")])
 
 
-def _stamp_values(player: int) -> list[_Stamp]:
+def _stamp_values(player: int) -> dict[Path, Stamp]:
     """Returns the stamps of all files that may contain this person's choice of sounds."""
     from neurotouch_hid.players import find_machine_folder, find_user_file
 
-    return _stamp([find_user_file(player), find_user_file(player, find_machine_folder())])
+    return read_stamps([find_user_file(player), find_user_file(player, find_machine_folder())])
 
 
-def _stamp(paths: Iterable[Path]) -> list[_Stamp]:
-    stamps = []
-    for path in paths:
-        with suppress(OSError):
-            found = path.stat()
-            stamps.append((str(path), found.st_ino, found.st_mtime_ns, found.st_size))
-    return sorted(stamps)
-
-
-def _mentions_sound(path: str) -> bool:
+def _mentions_sound(path: Path) -> bool:
     try:
-        return b"sound" in Path(path).read_bytes()
+        return b"sound" in path.read_bytes()
     except OSError:
         return False
 

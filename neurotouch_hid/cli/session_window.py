@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from neurotouch_hid.closing import Closing
+from neurotouch_hid.files.stamps import Stamp, read_stamps
 
 if TYPE_CHECKING:
     from neurotouch_hid.desktop import Follower
@@ -47,7 +48,7 @@ class WindowTeller(Closing):
         self._open = open_window or _open_window
         self._follower: Follower | None = None
         self._wanted: str | None = None
-        self._stamps: list[tuple[int, int, int] | None] = []
+        self._stamps: dict[Path, Stamp] = {}
         self._due_s = 0.0
 
     def look(self, now_s: float) -> None:
@@ -57,11 +58,10 @@ class WindowTeller(Closing):
             now_s: present time on a steady clock.
         """
         paths = _list_files(self._player)
-        stamps = [_stamp(path) for path in paths]
+        stamps = read_stamps(paths)
         if stamps != self._stamps:
             self._stamps = stamps
-            there = (path for path, stamp in zip(paths, stamps, strict=True) if stamp)
-            self._begin(next(there, None))
+            self._begin(next((path for path in paths if path in stamps), None))
         if self._follower is not None and now_s >= self._due_s:
             self._due_s = now_s + TELL_S
             self._tell(self._follower.describe())
@@ -150,10 +150,3 @@ def _names_applications(path: Path) -> bool:
     with suppress(OSError):
         return "applications" in read_text(path, MAX_SETTINGS_BYTES)
     return False
-
-
-def _stamp(path: Path) -> tuple[int, int, int] | None:
-    with suppress(OSError):
-        found = path.stat()
-        return found.st_ino, found.st_mtime_ns, found.st_size
-    return None

@@ -11,11 +11,11 @@ from neurotouch_hid.cli.ui.options import Finite
 from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import StreamError
+from neurotouch_hid.subscriber import MOST_HZ
 
 if TYPE_CHECKING:
     from neurotouch_hid.stream import Sender
 
-MOST_HZ = 60
 ROS2: tuple[str, ...] = ("ros2", "run", "neurotouch_ros", "publish")
 
 

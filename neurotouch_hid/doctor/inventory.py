@@ -17,7 +17,6 @@ OURS: Final = "neurotouch/"
 _INPUT: Final = Path("/sys/class/input")
 _NODES: Final = Path("/dev/input")
 _PROCESSES: Final = Path("/proc")
-_BTN_GAMEPAD: Final = 0x130
 _BTN_JOYSTICK: Final = 0x120
 _BTN_DIGI: Final = 0x140
 _WORD_BITS: Final = 64

@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import LIMIT_BYTES, REQUEST_S, is_served
+from neurotouch_hid.client import LIMIT_BYTES, REQUEST_S, is_served, read_pid
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver.admission import Guests, is_admitted
 from neurotouch_hid.errors import AlreadyRunningError, DriverError
@@ -179,7 +179,7 @@ def refuse_second(folder: Path) -> None:
         return
     if folder.lstat().st_uid != os.geteuid():
         raise _refuse_other_user()
-    raise _name_running(folder / "lock")
+    raise _name_running(folder)
 
 
 def _refuse_other_user() -> AlreadyRunningError:
@@ -191,13 +191,10 @@ def _refuse_other_user() -> AlreadyRunningError:
     )
 
 
-def _name_running(lock: Path) -> AlreadyRunningError:
-    """Returns the error that names the process in a lock file."""
-    pid = ""
-    with suppress(OSError):
-        pid = lock.read_bytes()[:20].decode("ascii", "replace").strip()
+def _name_running(folder: Path) -> AlreadyRunningError:
+    """Returns the error that names the process of the driver in a folder."""
     return AlreadyRunningError(
-        f"The driver is already running (PID {pid or 'unknown'}).",
+        f"The driver is already running (PID {read_pid(folder) or 'unknown'}).",
         hint="Ask it: neurotouch status. End it: neurotouch stop",
     )
 
@@ -231,7 +228,7 @@ def _take_lock(path: Path) -> int:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(descriptor)
-        raise _name_running(path) from None
+        raise _name_running(path.parent) from None
     os.ftruncate(descriptor, 0)
     os.write(descriptor, f"{os.getpid()}\n".encode())
     return descriptor

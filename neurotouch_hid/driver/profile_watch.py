@@ -15,6 +15,7 @@ from neurotouch_hid.driver.people import Person
 from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
 from neurotouch_hid.files.small_file import find_real_path, means_path
+from neurotouch_hid.files.stamps import Stamp, read_stamps
 from neurotouch_hid.profile import Profile, UserSettings, load_profile, load_user
 from neurotouch_hid.profile.reading import (
     find_profile,
@@ -27,9 +28,6 @@ from neurotouch_hid.runtime.pipeline_control import PipelineControl
 POLL_S: Final = 0.25
 """A saved file is noticed, and left alone for one poll more because an editor may still be writing:
 together with loading that is within the second that is promised."""
-
-Stamp = tuple[int, int, int]
-"""Inode, mtime in ns and size of a file: an editor that replaces files changes the inode."""
 
 Action = Literal["reload", "refresh", "use", "follow", "next", "say", "stop"]
 
@@ -282,12 +280,7 @@ class ProfileWatch:
         with suppress(OSError):
             for folder in list_changeable_folders(self._folder):
                 paths += folder.glob("*.yaml")
-        stamps = {}
-        for path in paths:
-            with suppress(OSError, ValueError):
-                found = path.stat()
-                stamps[path] = found.st_ino, found.st_mtime_ns, found.st_size
-        return stamps
+        return read_stamps(paths)
 
 
 def _load_shipped() -> Chosen:

@@ -11,7 +11,7 @@ from neurotouch_hid.gel_making.parts import Part, make_parts, measure_silicone
 from neurotouch_hid.gel_making.plan import Plan
 from neurotouch_hid.gel_making.shopping import list_needs, write_csv
 from neurotouch_hid.gel_making.stencil import draw_stencil
-from neurotouch_hid.partial_file import suggest_fix, write_whole
+from neurotouch_hid.partial_file import write_whole
 
 PAGE: Final = "README.html"
 _COLOURS: Final = {"dome-dark": "#202020", "dome-light": "#F8F8F8"}
@@ -68,9 +68,7 @@ def write_folder(out: Path, files: dict[str, bytes], *, replace: bool = False) -
         for name, content in files.items():
             write_whole(out / name, content)
     except OSError as error:
-        raise NeuroTouchError(
-            f"'{out}' cannot be written: {error.strerror}.", hint=suggest_fix(error)
-        ) from error
+        raise NeuroTouchError.of_writing(out, error) from error
 
 
 def _find_dome(parts: list[Part]) -> list[Part]:

@@ -1,6 +1,5 @@
 """The file of a person's labels: it is read once, and written after every change."""
 
-from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -8,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from neurotouch_hid.errors import RecordingError
+from neurotouch_hid.files.stamps import read_stamps
 from neurotouch_hid.labelling.look_through import WITHOUT_FRAME_US, Moments
 from neurotouch_hid.labelling.track import UNLABELLED, Track
 from neurotouch_hid.messages import GestureKind, Truth
@@ -39,7 +39,7 @@ class LabelFile:
     def __init__(self, path: Path, moments: Moments) -> None:
         self.path = path
         self._moments = moments
-        self._stamp = self._read_stamp()
+        self._stamp = read_stamps([self.path])
         self._stamps_us = moments.t_us.copy()
         self._others: list[Truth] = []
 
@@ -50,7 +50,7 @@ class LabelFile:
             RecordingError: the file is wrong.
         """
         track = Track.of_size(len(self._moments))
-        if self._stamp is None:
+        if not self._stamp:
             return track
         view = self._moments.view
         size_px = None if view is None else (view.width_px, view.height_px)
@@ -73,14 +73,14 @@ class LabelFile:
         Raises:
             RecordingError: it cannot be written, or another program has changed it.
         """
-        if self._read_stamp() != self._stamp:
+        if read_stamps([self.path]) != self._stamp:
             raise RecordingError(
                 f"Another program has changed '{self.path}', so it was not written.",
                 hint="End this one, and label again: both sets of labels stay as they are.",
             )
         truths = [self._make_truth(track, int(k)) for k in np.flatnonzero(track.kind != UNLABELLED)]
         write_labels(self.path, sorted([*truths, *self._others], key=lambda each: each.t_us))
-        self._stamp = self._read_stamp()
+        self._stamp = read_stamps([self.path])
 
     def _make_truth(self, track: Track, k: int) -> Truth:
         points = track.points(k)
@@ -90,9 +90,3 @@ class LabelFile:
         kind = GestureKind(int(track.kind[k]))
         truth = Truth(int(self._stamps_us[k]), kind, points, float(track.intensity_mm[k]))
         return truth if kind is not GestureKind.NONE else replace(truth, contacts_px=points[:0])
-
-    def _read_stamp(self) -> tuple[int, int, int] | None:
-        with suppress(FileNotFoundError):
-            found = self.path.stat()
-            return found.st_ino, found.st_mtime_ns, found.st_size
-        return None

@@ -16,8 +16,8 @@ from neurotouch_hid.errors import DriverError
 from neurotouch_hid.ipc import FEED, find_peer, listen_at
 from neurotouch_hid.messages import Step
 from neurotouch_hid.monitor.encoder import Sample, StateEncoder
+from neurotouch_hid.subscriber import MOST_HZ
 
-MOST_HZ: Final = 60
 MOST_SUBSCRIBERS: Final = 8
 AGAIN_S: Final = 1.0
 """Interval at which it checks whether subscribers may still watch: a person may have left."""

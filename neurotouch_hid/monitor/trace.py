@@ -40,9 +40,7 @@ class TraceWriter:
         try:
             self._partial = PartialFile(path)
         except OSError as error:
-            raise NeuroTouchError(
-                f"The trace {path} cannot be written: {error.strerror}."
-            ) from error
+            raise NeuroTouchError.of_writing(path, error) from error
         self._file = io.TextIOWrapper(io.BufferedWriter(self._partial.file), encoding="utf-8")
         self._out = TextOutput(self._file, f"the trace {path}", announce)
 

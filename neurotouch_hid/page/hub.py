@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 from neurotouch_hid.driver_state import read_head
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.files.small_file import find_real_path
+from neurotouch_hid.files.stamps import Stamp, read_stamps
 from neurotouch_hid.ipc import HAND, connect_to, read_object
 from neurotouch_hid.page.browser import Browser
 from neurotouch_hid.page.edits import Changes
@@ -33,7 +34,7 @@ from neurotouch_hid.page.requests import Requests
 from neurotouch_hid.page.situation import StartName, find_situation, find_start
 from neurotouch_hid.players import find_runtime_folder, find_user_file
 from neurotouch_hid.profile.reading import find_profile
-from neurotouch_hid.subscriber import Subscriber
+from neurotouch_hid.subscriber import MOST_HZ, Subscriber
 
 if TYPE_CHECKING:
     from neurotouch_hid.evaluation.people.throughput import Figures
@@ -44,7 +45,6 @@ LOOK_S: Final = 0.5
 SILENT_S: Final = 3.0
 """A driver that has sent no state for this time waits for its camera."""
 
-MOST_HZ: Final = 60
 MOST_TRIALS: Final = 500
 
 
@@ -73,7 +73,7 @@ class Hub:
         self._came = asyncio.Event()  # a browser, which waits for nothing
         self._path = Path()
         self._stamps: tuple[Any, ...] = ()
-        self._own_stamps: tuple[Any, ...] = ()
+        self._own_stamps: dict[Path, Stamp] | None = None
         self._about: ProfileView | ProfileFault | None = None
         self._own: OwnValuesView = {}
         self._hand: Any = None
@@ -218,7 +218,7 @@ class Hub:
         runs = self._newest is not None
         file = "" if self._newest is None else str(read_head(self._newest)["slow"]["file"])
         path = Path(file or _find_favourite())
-        stamps = (path, runs, *map(_read_stamp, list_files(path)))
+        stamps = (path, runs, read_stamps(list_files(path)))
         if stamps == self._stamps:
             return
         self._path = path
@@ -235,7 +235,7 @@ class Hub:
 
     def _look_at_own(self) -> None:
         """Tells the browsers of the person's own values, if they have changed."""
-        stamps = tuple(map(_read_stamp, [find_user_file(), *find_unfinished_files()]))
+        stamps = read_stamps([find_user_file(), *find_unfinished_files()])
         if stamps == self._own_stamps:
             return
         self._own_stamps = stamps
@@ -301,13 +301,6 @@ def _find_favourite() -> str:
         return str(find_real_path(find_profile(load_usable_user().slots[0])))
     except (NeuroTouchError, OSError):
         return ""
-
-
-def _read_stamp(path: Path) -> tuple[int, ...]:
-    with suppress(OSError, ValueError):
-        found = path.stat()
-        return found.st_ino, found.st_mtime_ns, found.st_size
-    return ()
 
 
 def _measure(trials: Any) -> "Figures":

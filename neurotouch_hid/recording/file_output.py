@@ -119,10 +119,7 @@ class FileOutput:
                 f"'{self.path}' is a link, and a recording is not written through a link.",
                 hint="Give the name of the file itself.",
             )
-        return RecordingError(
-            f"'{self.path}' cannot be written: {error.strerror}.",
-            hint="Choose a folder that exists, with room, that you may write to.",
-        )
+        return RecordingError.of_writing(self.path, error)
 
 
 def _open_in_place(path: Path) -> IO[bytes]:

@@ -36,4 +36,4 @@ def write_beside(path: Path, content: bytes) -> None:
         else:
             path.unlink(missing_ok=True)
     except OSError as error:
-        raise RecordingError(f"'{path}' cannot be written: {error.strerror}.") from error
+        raise RecordingError.of_writing(path, error) from error

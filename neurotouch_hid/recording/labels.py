@@ -63,10 +63,7 @@ def write_labels(path: Path | str, truths: Iterable[Truth]) -> None:
     try:
         write_whole(Path(path), text.getvalue().encode())
     except OSError as error:
-        raise RecordingError(
-            f"'{path}' cannot be written: {error.strerror}.",
-            hint="Choose a folder that exists and that you may write to.",
-        ) from error
+        raise RecordingError.of_writing(Path(path), error) from error
 
 
 def _row(truth: Truth) -> list[str]:

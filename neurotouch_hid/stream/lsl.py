@@ -5,8 +5,9 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.errors import StreamError
-from neurotouch_hid.stream.reading import MOST_HZ, Reading
+from neurotouch_hid.stream.reading import Reading
 from neurotouch_hid.stream.sender import Sender
+from neurotouch_hid.subscriber import MOST_HZ
 from neurotouch_hid.vocabulary import Axis, GestureKind
 
 MOST_CONTACTS: Final = 5

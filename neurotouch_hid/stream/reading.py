@@ -13,8 +13,6 @@ from neurotouch_hid.driver_state import read_head, read_markers
 from neurotouch_hid.subscriber import Subscriber
 from neurotouch_hid.vocabulary import Axis, Button
 
-MOST_HZ: Final = 60
-"""The driver gives no more states a second."""
 LOOK_S: Final = 0.25
 """Interval at which a driver is looked for while none runs."""
 

@@ -111,7 +111,7 @@ def test_a_width_that_was_calculated_is_rounded(home):
             (("new", "a.yaml", *ANSWERS, "--name", name), 2, "cannot be a part of a file's name")
             for name in ("a b", "", "a\nb", "g\udce9l")
         ),
-        (("new", "none/a.yaml", *ANSWERS), 6, "cannot be written"),
+        (("new", "none/a.yaml", *ANSWERS), 1, "'none/a.yaml' cannot be written"),
         (("show", "nothing.yaml"), 6, "nothing.yaml"),
         (("make", "out", "--gel", "nothing"), 6, "nothing"),
         (("check", "sim:nothing"), 3, "nothing"),

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 from ruamel.yaml import YAML
 
 from neurotouch_hid.cli.main import cli
-from neurotouch_hid.cli.profile import guide
+from neurotouch_hid.cli.profile import saving
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from tests.processes import run_command, run_neurotouch, start_neurotouch
@@ -226,7 +226,7 @@ def test_what_is_exported_has_nothing_of_the_person(home, tmp_path):
     output, code = run("profile", "export", "mine")
     assert code == 0
     first, rest = own(home, "mine").split("\n", 1)
-    assert str(home.parent) in first or "/" in first
+    assert "/" in first  # the way to the schema on this machine
     assert output == f"# yaml-language-server: $schema=profile-1.json\n{rest}"
     assert run("profile", "export", "mine", "--output", "-") == (output, 0)
     path, user = tmp_path / "out.yaml", tmp_path / "me.yaml"
@@ -346,7 +346,7 @@ def test_a_new_profile_asks_for_nothing_one_cannot_do(home):
     assert "you do not use zoom: this never acts [NT212]" in run("profile", "check", "default")[0]
     output, code = run("profile", "new", "mine")
     assert code == 0
-    assert "For you: pinch long -> button b" in output or "-> button b" in output
+    assert "For you: pinch double -> button b\n" in output
     assert "NT212" not in run("profile", "check", "mine")[0]
     assert "you do not use: zoom" in run("profile", "show", "mine", "--effective")[0]
 
@@ -480,7 +480,7 @@ def test_the_text_editor_loses_nothing(home, tmp_path, monkeypatch):
     monkeypatch.setenv("VISUAL", str(editor))
     output, code = run("profile", "edit", "spacecraft", "--editor", answers=[3])
     assert code == 0
-    assert "did you mean" in output or "is not one of" in output
+    assert "'middle' is not one of: left, right" in output
     draft = home / "profiles" / ".drafts" / "spacecraft.yaml"
     assert "stick: middle" in draft.read_text(encoding="utf-8")
     assert not (home / "profiles" / "spacecraft.yaml").exists()
@@ -525,7 +525,7 @@ def test_an_editor_that_fails_is_named(monkeypatch, editor):
 def test_a_change_that_cannot_be_saved_is_kept_as_a_draft(home, monkeypatch, answers):
     run("profile", "new", "mine")
     if len(answers) > 4:
-        monkeypatch.setattr(guide, "save_edited", refuse)
+        monkeypatch.setattr(saving, "save_edited", refuse)
     assert run("profile", "edit", "mine", answers=answers)[1] != 0
     assert "timing: game" in (home / "profiles/.drafts/mine.yaml").read_text(encoding="utf-8")
 

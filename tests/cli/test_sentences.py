@@ -12,6 +12,7 @@ from neurotouch_hid import client
 from neurotouch_hid.cli.control import pause
 from neurotouch_hid.cli.demo import command as demo
 from neurotouch_hid.cli.explain import command as explain
+from neurotouch_hid.cli.main import cli
 from neurotouch_hid.cli.pointing import _format
 from neurotouch_hid.cli.profile.changing import bind, new, set_command, use
 from neurotouch_hid.cli.profile.history import _tell_time, delete, undo
@@ -162,7 +163,7 @@ def test_profile_without_layers_is_not_asked_to_choose_one():
 
 
 def test_status_without_a_driver_is_json_too_where_that_is_asked_for():
-    told = CliRunner().invoke(status, ["--json"])
+    told = CliRunner().invoke(cli, ["status", "--json"])
     assert told.exit_code == 8
     assert json.loads(told.output)["message"] == "No driver is running."
 

@@ -1,5 +1,6 @@
 """Every command of the tree with a wrong command line: one form of answer, ours, never click's."""
 
+import json
 import re
 import sys
 
@@ -298,6 +299,8 @@ def test_a_file_to_write_is_no_option_and_no_recording(answer, tmp_path, monkeyp
             "Option --json needs the name of a file to write, not the option --"
         )
         assert fix.startswith("Write the name between the two.")
+    sentence, _ = answer("bench", "--json", "-")
+    assert sentence == "Option --json needs the name of a file to write, not the standard output."
     sentence, _ = answer("evaluate", "--json", "play.aedat4", "other.aedat4")
     assert sentence == "Option --json would write over the recording 'play.aedat4'."
     assert (tmp_path / "play.aedat4").read_bytes() == b"an evening's work"
@@ -340,6 +343,26 @@ def test_missing_value_says_what_to_write(answer, line, fix):
     assert answer(*line.split())[1] == fix
 
 
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("status --json --bogus", "There is no option --bogus."),
+        ("profile set --json", "NAME is missing."),
+        ("profile set --json --help-me mine", "There is no option --help-me."),
+        ("devices --json now", "'now' is one argument too many."),
+        ("calibrate --json --speed", "Option --speed needs a value."),
+        ("record a.aedat4 --json --seconds 1 --seconds 2", "Option --seconds is there 2 times"),
+        ("gel check sim:rest --live --json", "Option --json prints one score"),
+    ],
+)
+def test_wrong_usage_is_json_where_a_program_reads_json(line, message):
+    told = CliRunner().invoke(cli, line.split())
+    answer = json.loads(told.stdout)
+    assert (told.exit_code, answer["status"]) == (2, "FAILED")
+    assert answer["message"].startswith(message)
+    assert answer["fix"]
+
+
 def test_file_that_cannot_be_used_is_named_in_a_sentence(monkeypatch, capsys):
     def fail(*_):
         raise FileNotFoundError(2, "No such file or directory", "gone/x")
@@ -351,5 +374,5 @@ def test_file_that_cannot_be_used_is_named_in_a_sentence(monkeypatch, capsys):
         command_line.main()
     sys.stdout = stdout
     said = "Error: The file 'gone/x' cannot be used: No such file or directory.\n"
-    fix = "Fix: See what each part of its path is: namei -l gone/x\n"
+    fix = "Fix: Make the folder, or choose another.\n"
     assert capsys.readouterr().err == said + fix

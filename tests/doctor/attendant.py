@@ -1,8 +1,16 @@
-"""A person who goes through ``hello``, and knows what is asked for."""
+"""People who go through ``hello``: one knows what is asked for, one makes what a script says."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Iterator
 
 from neurotouch_hid.doctor.hello.session import Session
+from neurotouch_hid.gesture import GestureConfig
+from neurotouch_hid.messages import Step
+from neurotouch_hid.profile import load_profile
+from neurotouch_hid.runtime import Pipeline
+from neurotouch_hid.source.simulator import Simulator
+from neurotouch_hid.source.simulator.config import SimulatorConfig
+from neurotouch_hid.source.simulator.script import Script
 
 
 class Attendant(ABC):
@@ -31,3 +39,15 @@ class Attendant(ABC):
     @abstractmethod
     def answer(self, session: Session) -> str | None:
         """The line that is typed now; None for nothing."""
+
+
+def play(
+    script: Script, config: SimulatorConfig, nuisances: dict[str, float] | None = None
+) -> Iterator[Step]:
+    """Plays a script to a simulated rig."""
+    pipeline = Pipeline.build(load_profile("default"), GestureConfig())
+    with Simulator(script, config, nuisances=nuisances or {}, seed=3) as source:
+        for packet in source:
+            step = pipeline.advance(packet)
+            yield step
+            pipeline.process_frames(step)

@@ -5,7 +5,7 @@ import io
 import json
 import re
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -22,17 +22,14 @@ from neurotouch_hid.doctor.hello.session import PROMPTS, Session
 from neurotouch_hid.driver.gel_file import load_gel_file
 from neurotouch_hid.gel_making.plan import make_plan
 from neurotouch_hid.geometry import Rig
-from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import Step
-from neurotouch_hid.profile import load_profile
 from neurotouch_hid.recording import RecordingWriter
-from neurotouch_hid.runtime import Pipeline
-from neurotouch_hid.source.simulator import Simulator
 from neurotouch_hid.source.simulator.config import SimulatorConfig
 from neurotouch_hid.source.simulator.script import Script, sequence
 from neurotouch_hid.source.simulator.strokes import push, twist
 from neurotouch_hid.source.video.live import VideoCameraSource
 from neurotouch_hid.vocabulary import SourceKind
+from tests.doctor.attendant import play
 from tests.source.davis.camera import ScriptedCamera
 from tests.source.video.fake_camera import FakeCamera, FakeLinux
 
@@ -46,17 +43,13 @@ def make_script() -> Script:
     return sequence("hello", push(0.0, 7.0), twist(0.5), rest_us=_REST_US, gap_us=_GAP_US)
 
 
-def play(config: SimulatorConfig, seed: int = 3, **nuisances: float) -> Iterator[Step]:
-    """Plays the script to a rig; the person makes what it says."""
-    pipeline = Pipeline.build(load_profile("default"), GestureConfig())
-    with Simulator(make_script(), config, nuisances=nuisances, seed=seed) as source:
-        for packet in source:
-            step = pipeline.advance(packet)
-            yield step
-            pipeline.process_frames(step)
+@cache
+def play_usual() -> tuple[Step, ...]:
+    """What a person with the usual rig makes, simulated once."""
+    return tuple(play(make_script(), SimulatorConfig()))
 
 
-def meet(config: SimulatorConfig) -> Session:
+def meet(steps: Iterable[Step]) -> Session:
     """Lets a scripted person follow the prompts: Enter once each movement is over."""
     script = make_script()
     done_us = [500_000, _REST_US - 100_000]
@@ -66,7 +59,7 @@ def meet(config: SimulatorConfig) -> Session:
         "sim",
         [prompt for prompt in PROMPTS if prompt.key in _ASKED],
     )
-    for step in play(config):
+    for step in steps:
         session.take(step)
         if done_us and step.packet.t_end_us >= done_us[0]:
             done_us.pop(0)
@@ -78,7 +71,7 @@ def meet(config: SimulatorConfig) -> Session:
 
 @cache
 def meet_usual() -> Session:
-    return meet(SimulatorConfig())
+    return meet(play_usual())
 
 
 @cache
@@ -86,14 +79,13 @@ def meet_other() -> Session:
     """A rig with planted differences: more noise, turned, smaller, and a gel that keeps 3 %."""
     usual = SimulatorConfig()
     rig = Rig((172.5, 129.5), 2.0, 0.3)
-    return meet(
-        replace(
-            usual,
-            gel=replace(usual.gel, residue=0.03),
-            camera=replace(usual.camera, rig=rig),
-            sensor=replace(usual.sensor, shot_hz=4.0, leak_hz=0.4),
-        )
+    config = replace(
+        usual,
+        gel=replace(usual.gel, residue=0.03),
+        camera=replace(usual.camera, rig=rig),
+        sensor=replace(usual.sensor, shot_hz=4.0, leak_hz=0.4),
     )
+    return meet(play(make_script(), config))
 
 
 def find(session: Session, name: str) -> float:
@@ -138,7 +130,7 @@ def test_planted_differences_are_said():
 def test_recording_without_a_rest_says_nothing_of_the_gels_return():
     session = Session(make_plan(load_gel_file(None).settings), "file", guided=False)
     begin_us = make_script().strokes[0].start_us - 300_000
-    for step in play(SimulatorConfig()):
+    for step in play_usual():
         if step.packet.t_begin_us >= begin_us:
             session.take(step)
     session.finish()
@@ -150,7 +142,7 @@ def test_recording_without_a_rest_says_nothing_of_the_gels_return():
 
 def test_recording_with_a_rest_is_measured_without_prompts():
     session = Session(make_plan(load_gel_file(None).settings), "file", guided=False)
-    for step in play(SimulatorConfig()):
+    for step in play_usual():
         session.take(step)
     session.finish()
     assert "as simulated" in say(session, "kept_share")
@@ -167,11 +159,11 @@ def test_movements_are_recognised_and_directions_right():
     assert answer(meet_usual(), "mirrored").word is Word.NO
 
 
-def light_up(**nuisances: float) -> Session:
+def light_up(steps: Iterable[Step]) -> Session:
     """Lets a person rest for two seconds, under some light."""
     session = make_waiting_session()
     session.next()
-    for step in play(SimulatorConfig(), **nuisances):
+    for step in steps:
         session.take(step)
         if step.packet.t_end_us >= 2_000_000:
             return session
@@ -180,13 +172,13 @@ def light_up(**nuisances: float) -> Session:
 
 @pytest.mark.parametrize(("lamp", "percent", "hz"), [("mains", 40.0, 100), ("pwm", 30.0, 200)])
 def test_light_that_flickers_is_named(lamp, percent, hz):
-    told = answer(light_up(**{lamp: percent}), "settings")
+    told = answer(light_up(play(make_script(), SimulatorConfig(), {lamp: percent})), "settings")
     assert told.word is Word.NO
     assert told.sentence == f"The light flickers at {hz} Hz. Use a lamp that is steady."
 
 
 def test_steady_light_is_not_said_to_flicker():
-    told = answer(light_up(), "settings")
+    told = answer(light_up(play_usual()), "settings")
     assert "flicker" not in told.sentence
     assert "flicker" not in answer(meet_usual(), "settings").sentence
 
@@ -229,7 +221,7 @@ def test_prompt_waits_for_what_is_missing():
 def test_rest_ends_while_the_driver_has_lost_the_dots():
     session = make_waiting_session()
     session.next()
-    for step in play(SimulatorConfig()):
+    for step in play_usual():
         if step.packet.t_end_us > 4_000_000:
             break
         session.take(step)
@@ -246,9 +238,7 @@ def test_touch_begins_the_rest_again():
     session = make_waiting_session()
     session.next()
     begin_us = make_script().strokes[0].start_us - 2_000_000
-    heard = [
-        session.take(step) for step in play(SimulatorConfig()) if step.packet.t_begin_us >= begin_us
-    ]
+    heard = [session.take(step) for step in play_usual() if step.packet.t_begin_us >= begin_us]
     assert "The gel was touched, so the rest begins again." in heard
     assert session.list_figures()["hot_pixels"] in (None, 0.0)
     assert session.missing.endswith("of 5 seconds so far.")

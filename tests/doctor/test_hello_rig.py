@@ -2,7 +2,6 @@
 
 import math
 import zipfile
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -25,18 +24,15 @@ from neurotouch_hid.driver.gel_settings import GelSettings
 from neurotouch_hid.errors import NeuroTouchError, ProfileError, RecordingError
 from neurotouch_hid.gel_making.plan import make_plan
 from neurotouch_hid.geometry import PAPER_GEL, Rig, fit_rig
-from neurotouch_hid.gesture import GestureConfig
-from neurotouch_hid.messages import Step
-from neurotouch_hid.profile import load_profile
 from neurotouch_hid.profile.reading import parse_settings
-from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.source import open_source
-from neurotouch_hid.source.simulator import Simulator, dataset
+from neurotouch_hid.source.simulator import dataset
 from neurotouch_hid.source.simulator.config import SimulatorConfig
-from neurotouch_hid.source.simulator.script import Script, sequence
+from neurotouch_hid.source.simulator.script import sequence
 from neurotouch_hid.source.simulator.strokes import push
 from neurotouch_hid.tracker import BlobFinder
 from neurotouch_hid.tracker.lattice import LatticeFinder
+from tests.doctor.attendant import play
 
 _REST_US, _GAP_US = 6_600_000, 1_300_000
 _MISSING = (5, 60, 120)
@@ -66,34 +62,16 @@ def plant() -> SimulatorConfig:
 _NUISANCES = {"readout": 20.0}
 
 
-def play(
-    script: Script,
-    config: SimulatorConfig,
-    nuisances: dict[str, float],
-    take: Callable[[Step], object],
-) -> None:
-    """Plays a script to a simulated rig, and hands over each step."""
-    pipeline = Pipeline.build(load_profile("default"), GestureConfig())
-    with Simulator(script, config, nuisances=nuisances, seed=3) as source:
-        for packet in source:
-            step = pipeline.advance(packet)
-            take(step)
-            pipeline.process_frames(step)
-
-
 def meet(config: SimulatorConfig, nuisances: dict[str, float]) -> Session:
     """Lets a scripted person rest and push a simulated rig, as hello asks for."""
     script = sequence("hello", push(0.0, 7.0), rest_us=_REST_US, gap_us=_GAP_US)
     done_us = [500_000, _REST_US - 100_000, script.strokes[0].end_us + _GAP_US - 100_000]
     session = Session(make_plan(load_gel_file(None).settings), "sim", PROMPTS[:3])
-
-    def take(step: Step) -> None:
+    for step in play(script, config, nuisances):
         session.take(step)
         if done_us and step.packet.t_end_us >= done_us[0]:
             done_us.pop(0)
             session.next()
-
-    play(script, config, nuisances, take)
     session.finish()
     return session
 
@@ -166,13 +144,15 @@ def test_each_stroke_is_compared_with_what_it_leaves_itself():
     script = sequence("three", *strokes, rest_us=2_500_000, gap_us=200_000)
     script = replace(script, duration_us=script.duration_us + 1_100_000)
     session = Session(make_plan(load_gel_file(None).settings), "sim", guided=False)
-    play(script, config, {}, session.take)
+    for step in play(script, config):
+        session.take(step)
     assert session.list_figures()["kept_share"] == pytest.approx(0.05, abs=0.015)
 
 
 def test_camera_with_events_is_one_also_without_a_rest():
     session = Session(make_plan(load_gel_file(None).settings), "sim", guided=False)
-    play(sequence("short", push(0.0, 7.0)), SimulatorConfig(), {}, session.take)
+    for step in play(sequence("short", push(0.0, 7.0)), SimulatorConfig()):
+        session.take(step)
     text = make_settings(session, None, is_simulated=True)[FILE]
     assert "camera: events" in text
     assert "shot_hz" not in text

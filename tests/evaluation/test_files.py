@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from neurotouch_hid.cli.evaluate import command
-from neurotouch_hid.driver import REFERENCE
+from neurotouch_hid.driver import REFERENCE, kernel_loading
 from neurotouch_hid.errors import GelNotFoundError, NeuroTouchError, RecordingError
 from neurotouch_hid.evaluation.accuracy import evaluate_files, files, format_table
 from neurotouch_hid.evaluation.accuracy.files import _read_labels, evaluate_file
@@ -77,10 +77,11 @@ def test_the_largest_recording_is_begun_first_and_the_order_of_the_results_stays
     begun = []
 
     class Pool:
-        def submit(self, _, path, options):
-            begun.append(path)
+        def submit(self, function, *args):
+            if function is evaluate_file:
+                begun.append(args[0])
             done = Future()
-            done.set_result(evaluate_file(path, options))
+            done.set_result(function(*args))
             return done
 
     monkeypatch.setattr(files, "open_pool", lambda *_: nullcontext(Pool()))
@@ -106,13 +107,16 @@ def test_missing_labels_are_told_before_anything_is_played(recordings, tmp_path)
     assert not done
 
 
-def test_the_command_says_at_once_that_the_first_time_takes_longer(recordings, monkeypatch):
-    def stop(*_, **__):
-        raise NeuroTouchError("stopped")
-
-    monkeypatch.setattr("neurotouch_hid.evaluation.accuracy.evaluate_files", stop)
-    told = CliRunner().invoke(command, [str(recordings[0])])
-    assert "the first time compiles for this processor" in told.output
+def test_that_the_first_time_compiles_is_said_only_while_it_takes_long(recordings, monkeypatch):
+    told = []
+    monkeypatch.setattr(kernel_loading, "_PATIENCE_S", 0.0)
+    monkeypatch.setattr(kernel_loading, "_loaded", set())
+    evaluate_files(recordings[:1], PAPER, announce=told.append)
+    assert [sentence[:33] for sentence in told] == ["Loading (the first time compiles "]
+    told.clear()
+    monkeypatch.setattr(kernel_loading, "_PATIENCE_S", 60.0)
+    evaluate_files(recordings[:1], PAPER, announce=told.append)
+    assert not told
 
 
 def test_a_recording_without_a_gel_is_refused(recordings, tmp_path):

@@ -13,12 +13,12 @@ from neurotouch_hid.driver_state import read_head
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.ipc import FEED, connect_to
 from neurotouch_hid.monitor.encoder import StateEncoder
-from neurotouch_hid.monitor.publisher import MOST_HZ, MOST_SUBSCRIBERS, Publisher
+from neurotouch_hid.monitor.publisher import MOST_SUBSCRIBERS, Publisher
 from neurotouch_hid.page.text_view import LineWriter, draw_picture
 from neurotouch_hid.profile import UserSettings
 from neurotouch_hid.profile.reading.load import parse_profile
 from neurotouch_hid.runtime import Pipeline, PipelineControl
-from neurotouch_hid.subscriber import Subscriber
+from neurotouch_hid.subscriber import MOST_HZ, Subscriber
 from tests.waiting import wait_until
 
 LIMIT_S = 60.0
@@ -111,7 +111,7 @@ def test_a_state_tells_what_the_line_does(line, listener):
     assert best["pad"]["axes"]["left_x"] > 0.7
     assert best["slow"]["source"] == "sim:push"
     assert best["slow"]["window_ms"] == 10.0
-    assert best["state"], best["layer"] == ("running", "base")
+    assert (best["state"], best["layer"]) == ("running", "base")
     assert [head["n"] for head in heads] == sorted({head["n"] for head in heads})
     actions = heads[-1]["actions"]
     assert [each[1] for each in actions] == ["ignored"]
@@ -123,7 +123,7 @@ def test_a_state_tells_what_the_line_does(line, listener):
     assert moved[:, 0].max() == pytest.approx(7.0, abs=0.8)
     assert np.abs(moved[:, 1]).max() < 3.0
     valid = np.frombuffer(state, np.uint8, 177, 8 + length + 1416)
-    assert valid.sum() == heads[heads.index(best)]["slow"]["tracked"] or valid.sum() > 150
+    assert valid.sum() > 150
 
 
 def test_before_the_gel_is_found_a_state_is_whole_too(line, listener, push):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from neurotouch_hid.cli.ui.options import Finite, PlainName
-from neurotouch_hid.cli.ui.output import choose, echo
+from neurotouch_hid.cli.ui.output import choose, echo, save_text
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import ProfileError
 
@@ -28,11 +28,7 @@ _WAYS = ("evening", "printed", "cast")
     "  neurotouch gel new try.yaml --camera own --width 640 --height 480 --view 60 --hand small "
     "--way cast"
 )
-@click.argument(
-    "file",
-    type=click.Path(path_type=Path, dir_okay=False),
-    required=False,
-)
+@click.argument("file", type=click.Path(path_type=Path, dir_okay=False), required=False)
 @click.option("--camera", type=click.Choice(_CAMERAS), help="The camera. Asked if not given.")
 @click.option("--width", type=click.IntRange(120, 8000), help="Of --camera own, px.")
 @click.option("--height", type=click.IntRange(120, 8000), help="Of --camera own, px.")
@@ -66,7 +62,6 @@ def command(
     from neurotouch_hid.driver.gel_settings import GelSettings
     from neurotouch_hid.gel_making.cameras import CAMERAS, HANDS, WAYS, write_gel_file
     from neurotouch_hid.gel_making.plan import make_plan
-    from neurotouch_hid.partial_file import suggest_fix, write_whole
     from neurotouch_hid.profile.reading import parse_settings
 
     path = file or find_gel_folder() / FILE
@@ -91,14 +86,9 @@ def command(
     chosen_way = next(each for each in WAYS if each == way)
     text = write_gel_file(name, chosen, HANDS[hand], chosen_way)
     plan = make_plan(parse_settings(text.encode(), str(path), GelSettings))
-    try:
-        if file is None:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        write_whole(path, text.encode())
-    except OSError as error:
-        raise ProfileError(
-            f"'{path}' cannot be written: {error.strerror}.", hint=suggest_fix(error)
-        ) from None
+    if file is None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    save_text(path, text)
     echo(f"'{path}' is written: {plan.gel.n_markers} dots, camera {plan.distance:.0f} mm below.")
     option = "" if file is None else f" --gel {shlex.quote(str(path))}"
     echo(f"Next: neurotouch gel make my-gel{option}")

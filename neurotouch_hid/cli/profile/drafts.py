@@ -1,9 +1,14 @@
 """Drafts: texts that were begun and not saved, kept beside the profiles."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import click
+
 from neurotouch_hid.cli.ui.output import echo, say
+from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.partial_file import write_whole
 
 if TYPE_CHECKING:
@@ -21,3 +26,22 @@ def save_draft(draft: Path, text: "ProfileText") -> None:
     write_whole(draft, text.text.encode())
     say("WARNING", f"Not saved; the draft is in {draft}")
     echo(f"Go on with it: neurotouch profile edit {draft.stem}")
+
+
+@contextmanager
+def keep_draft(
+    draft: Path, edited: "EditedFile", find_text: "Callable[[], ProfileText]"
+) -> Iterator[None]:
+    """Keeps what was changed if the block cannot save it, or the person leaves it by Ctrl-C.
+
+    Args:
+        draft: where it is kept.
+        edited: the file as it was.
+        find_text: returns the text as it is now.
+    """
+    try:
+        yield
+    except (click.Abort, KeyboardInterrupt, NeuroTouchError):
+        if find_text() != edited.text:
+            save_draft(draft, find_text())
+        raise

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.profile.drafts import find_draft, save_draft
+from neurotouch_hid.cli.profile.drafts import find_draft, keep_draft, save_draft
 from neurotouch_hid.cli.profile.guide import Guide
 from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.profile.values import ask_values
@@ -66,8 +66,9 @@ def _edit_text(edited: "EditedFile", text: "ProfileText", draft: Path, *, plain:
         False if a draft is left.
     """
     newline = "\r\n" if "\r\n" in text.text else "\n"
-    while True:
-        try:
+    answer = 0
+    with keep_draft(draft, edited, lambda: text):
+        while answer == 0:
             written = _open_editor(edited.name, text.text)
             text = text.rewrite(written.replace("\r\n", "\n").replace("\n", newline))
             if text == edited.text:
@@ -80,16 +81,11 @@ def _edit_text(edited: "EditedFile", text: "ProfileText", draft: Path, *, plain:
             show_faults(checked, plain=plain)
             choices = ["Edit again", "Keep the old profile, discard this one", "Keep it as a draft"]
             answer = choose("There are errors. What now?", choices, default=0)
-        except (click.Abort, KeyboardInterrupt, NeuroTouchError):
-            if text != edited.text:
-                save_draft(draft, text)
-            raise
-        if answer == 1:
-            say("OK", "The old profile is kept.", plain=plain)
-            return True
-        if answer == 2:
-            save_draft(draft, text)
-            return False
+    if answer == 1:
+        say("OK", "The old profile is kept.", plain=plain)
+        return True
+    save_draft(draft, text)
+    return False
 
 
 def _open_editor(name: str, text: str) -> str:

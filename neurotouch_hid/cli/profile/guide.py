@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.profile.drafts import save_draft
+from neurotouch_hid.cli.profile.drafts import keep_draft
 from neurotouch_hid.cli.profile.gel import see_gesture, try_on_gel
-from neurotouch_hid.cli.profile.saving import save_edited
+from neurotouch_hid.cli.profile.saving import offer_saving
 from neurotouch_hid.cli.profile.values import ask_value
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, echo, is_plain, say, show_changes
-from neurotouch_hid.errors import NeuroTouchError, ProfileError
+from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile import Profile
@@ -54,19 +54,10 @@ class Guide:
         except ProfileError as error:
             hint = f"Fix it first: neurotouch profile edit {self._edited.name} --editor"
             raise ProfileError(error.message, hint=hint) from None
-        try:
+        with keep_draft(self._draft, self._edited, lambda: self._text):
             while self._ask_what():
                 pass
-            if self._text == self._edited.text:
-                say("OK", "Nothing has changed.", plain=self._plain)
-            elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
-                save_edited(self._edited, self._text, plain=self._plain)
-            else:
-                say("OK", "Nothing was saved.", plain=self._plain)
-        except (click.Abort, KeyboardInterrupt, NeuroTouchError):
-            if self._text != self._edited.text:
-                save_draft(self._draft, self._text)
-            raise
+            offer_saving(self._edited, self._text, plain=self._plain)
         return True
 
     def _load(self) -> "Profile":

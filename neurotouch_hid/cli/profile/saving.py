@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from neurotouch_hid.cli.ui.outcome import Outcome
+from neurotouch_hid.cli.ui.output import choose, say
 from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
@@ -128,3 +129,13 @@ def save_edited(
         fix=effect.fix,
     )
     saved.tell(plain=plain, as_json=as_json)
+
+
+def offer_saving(edited: "EditedFile", text: "ProfileText", *, plain: bool) -> None:
+    """Saves a changed text if the person wants to, as ``save_edited``."""
+    if text == edited.text:
+        say("OK", "Nothing has changed.", plain=plain)
+    elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
+        save_edited(edited, text, plain=plain)
+    else:
+        say("OK", "Nothing was saved.", plain=plain)

@@ -2,11 +2,11 @@
 
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from neurotouch_hid.cli.ui.completing import complete_profile
+from neurotouch_hid.cli.ui.options import OutFile
 from neurotouch_hid.cli.ui.outcome import Outcome, confirm, show_faults
 from neurotouch_hid.cli.ui.output import (
     echo,
@@ -15,13 +15,11 @@ from neurotouch_hid.cli.ui.output import (
     make_stamp,
     plain_option,
     print_json,
+    save_text,
     show_changes,
 )
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import ProfileError
-
-if TYPE_CHECKING:
-    from neurotouch_hid.profile.editing import ProfileText
 
 
 @click.command(
@@ -32,13 +30,13 @@ if TYPE_CHECKING:
 @click.argument("name", shell_complete=complete_profile)
 @click.option(
     "--output",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=OutFile(allow_dash=True),
     help="The file to write; without, or with -, it is printed.",
 )
 @click.option(
     "--user",
     "user_path",
-    type=click.Path(path_type=Path, dir_okay=False),
+    type=OutFile(),
     help="Write your own values too (ranges, filter, timing), to this file.",
 )
 @click.option("--force", is_flag=True, help="Overwrite files.")
@@ -73,7 +71,7 @@ def export(
         if target.exists():
             raise ProfileError(f"'{target}' exists already.", hint="Add --force to overwrite it.")
     for target, text in files.items():
-        _write(target, text)
+        save_text(target, text.text)
     notes = tuple(
         f"{profile.name} is built on your own '{base}': export that too."
         for base in (checked.written.extends if checked.written is not None else ())
@@ -90,17 +88,6 @@ def export(
         echo(f"OK Saved {target}", err=True)
     for note in notes:
         echo(f"WARNING {note}", err=True)
-
-
-def _write(path: Path, text: "ProfileText") -> None:
-    from neurotouch_hid.partial_file import write_whole
-
-    try:
-        write_whole(path, text.encode())
-    except OSError as error:
-        raise ProfileError(
-            f"'{path}' cannot be written: {error.strerror}.", hint="Choose another folder."
-        ) from None
 
 
 @click.command(

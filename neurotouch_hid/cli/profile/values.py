@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.profile.drafts import save_draft
-from neurotouch_hid.cli.profile.saving import save_edited
+from neurotouch_hid.cli.profile.drafts import keep_draft
+from neurotouch_hid.cli.profile.saving import offer_saving
 from neurotouch_hid.cli.ui.outcome import show_faults
 from neurotouch_hid.cli.ui.output import choose, echo, say, show_changes
-from neurotouch_hid.errors import NeuroTouchError, ProfileError
+from neurotouch_hid.errors import ProfileError
 
 if TYPE_CHECKING:
     from neurotouch_hid.profile.editing import EditedFile, ProfileText
@@ -36,19 +36,10 @@ def ask_values(edited: "EditedFile", text: "ProfileText", draft: Path, *, plain:
     Raises:
         ProfileError: there are errors already.
     """
-    try:
+    with keep_draft(draft, edited, lambda: text):
         while (number := _ask_which(edited, text)) < len(_ASKED):
             text = _ask(edited, text, _ASKED[number], plain=plain)
-        if text == edited.text:
-            say("OK", "Nothing has changed.", plain=plain)
-        elif choose("Save this?", ["Save", "Throw it away"], default=0) == 0:
-            save_edited(edited, text, plain=plain)
-        else:
-            say("OK", "Nothing was saved.", plain=plain)
-    except (click.Abort, KeyboardInterrupt, NeuroTouchError):
-        if text != edited.text:
-            save_draft(draft, text)
-        raise
+        offer_saving(edited, text, plain=plain)
     return True
 
 

@@ -3,6 +3,7 @@
 import shutil
 import sys
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,6 +40,7 @@ def play(
     title = f"{driver.source.name} -> {driver.device.name}, profile {driver.profile.name}"
     if driver.source.is_simulated:
         title = f"SIMULATED {title}"
+    announce = partial(echo, err=True)
     announce(f"Gamepad ready: {title}. Ctrl-C ends.")
 
     def read_decisions() -> "tuple[MappingDecision, ...]":
@@ -68,8 +70,3 @@ def play(
     if stats.host_s and driver.options.speed == "max":
         speed = f", {stats.sensor_s / stats.host_s:.1f} times as fast"
     announce(f"Played {stats.sensor_s:.1f} s{speed}, {stats.events:,} events. The pad is neutral.")
-
-
-def announce(sentence: str) -> None:
-    """Prints a sentence for the person on the standard error, if it can still be written."""
-    echo(sentence, err=True)

@@ -1,8 +1,10 @@
 """Opens a source for commands that follow its gestures without a pad."""
 
 from collections.abc import Iterator
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
+from neurotouch_hid.cli.ui.output import echo
 from neurotouch_hid.vocabulary import SourceKind, find_source_kind
 
 if TYPE_CHECKING:
@@ -22,7 +24,6 @@ def open_silent_driver(
     from neurotouch_hid.source.check import check_source
 
     check_source(source)
-    from neurotouch_hid.cli.shared.play import announce
     from neurotouch_hid.driver import Driver, DriverOptions
 
     options = DriverOptions(
@@ -34,7 +35,7 @@ def open_silent_driver(
         seed=seed,
         listens=False,
     )
-    return Driver(options, announce=announce)
+    return Driver(options, announce=partial(echo, err=True))
 
 
 def read_steps(source: str) -> Iterator["Step"]:

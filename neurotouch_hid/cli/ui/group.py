@@ -2,12 +2,12 @@
 
 import difflib
 import importlib
-from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from neurotouch_hid.cli.ui.usage_errors import WrongUsage
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage, explain_usage
 from neurotouch_hid.errors import NeuroTouchError
 
 if TYPE_CHECKING:
@@ -29,6 +29,9 @@ _PAGES = ("help", "version")
 """Options that people may type as a command."""
 _REMOVING = ("remove", "rm")
 """Words that can mean a whole profile or one binding."""
+
+_CALLED = f"{__name__}.called"
+"""Where a context keeps the name of the sub-command, the sub-command and its words."""
 
 DEVTOOLS = "neurotouch_devtools"
 """The distribution with the emulated camera and the long benchmarks; it may be missing."""
@@ -92,7 +95,9 @@ class LazyGroup(click.Group):
         name = args[0]
         if name in self._summaries or name.startswith("-"):
             found = super().resolve_command(ctx, args)
-            _refuse_twice(found[1], found[2])
+            _, command, words = found
+            ctx.meta[_CALLED] = name, command, (*words,)  # parsing takes words away
+            _refuse_twice(command, words)
             return found
         near = [each for each, others in _OTHER_WORDS.items() if name.lower() in others]
         near = [each for each in near if each in self._summaries]
@@ -105,10 +110,41 @@ class LazyGroup(click.Group):
         fix = fix or f"All commands: {ctx.command_path} --help"
         raise WrongUsage(f"There is no command '{name}'.", hint=fix)
 
+    def invoke(self, ctx: click.Context) -> Any:
+        """Runs the sub-command. If that is to print JSON, a failure or wrong usage is JSON too.
+
+        The keys are those of every outcome, and the exit code is the same.
+        """
+        ctx.meta.pop(_CALLED, None)
+        try:
+            return super().invoke(ctx)
+        except (NeuroTouchError, click.UsageError) as error:
+            name, command, words = ctx.meta.get(_CALLED, (None, None, ()))
+            if isinstance(error, click.UsageError) and command is not None:
+                # Of some errors click does not say in which command they are.
+                error.ctx = error.ctx or click.Context(command, info_name=name, parent=ctx)
+            if not _prints_json(command, words):
+                raise
+            from neurotouch_hid.cli.ui.output import print_json
+
+            message, fix = (
+                explain_usage(error)
+                if isinstance(error, click.UsageError)
+                else (error.message, error.hint)
+            )
+            print_json({"status": "FAILED", "message": message, "fix": fix})
+            ctx.exit(error.exit_code)
+
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """Writes names and summaries without importing any sub-command."""
         with formatter.section("Commands"):
             formatter.write_dl(list(self._summaries.items()))
+
+
+def _prints_json(command: click.Command | None, words: Sequence[str]) -> bool:
+    """Returns whether a command was asked for JSON, also in a command line that is wrong."""
+    params = [] if command is None else command.params
+    return "--json" in words and any(param.name == "as_json" for param in params)
 
 
 def _refuse_twice(command: click.Command | None, args: list[str]) -> None:

@@ -33,16 +33,26 @@ class OutFile(click.Path):
     """A file to be written; whether it can be is tried before the work begins.
 
     ``--json`` takes a file in some commands and none in others. So an option that follows is not
-    taken for the file, and no recording is written over.
+    taken for the file, nor is ``-`` a file's name, and no recording is written over.
+
+    Args:
+        allow_dash: ``-`` means the standard output.
     """
 
-    def __init__(self) -> None:
-        super().__init__(dir_okay=False, path_type=Path)
+    def __init__(self, *, allow_dash: bool = False) -> None:
+        super().__init__(dir_okay=False, path_type=Path, allow_dash=allow_dash)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Returns the path."""
         path = Path(str(super().convert(value, param, ctx)))
         option = param.opts[0] if param is not None else ""
+        if str(value) == "-":
+            if self.allow_dash:
+                return path
+            raise WrongUsage(
+                f"Option {option} needs the name of a file to write, not the standard output.",
+                hint="Write the name of a file instead.",
+            )
         if str(value).startswith("--"):
             raise WrongUsage(
                 f"Option {option} needs the name of a file to write, not the option {value}.",

@@ -5,9 +5,8 @@ import os
 import sys
 import time
 from collections.abc import Callable, Sequence
-from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -20,6 +19,8 @@ if TYPE_CHECKING:
     from neurotouch_hid.doctor.finding import Finding
 
 Command = TypeVar("Command", bound=Callable[..., Any])
+
+_COLOURS = {"OK": "green", "WARNING": "yellow", "FAILED": "red"}
 
 
 def echo(text: str, *, err: bool = False, nl: bool = True) -> None:
@@ -55,25 +56,8 @@ def plain_option(command: Command) -> Command:
     )(command)
 
 
-def json_option(command: Command) -> Command:
-    """Adds ``--json``, which gives the command its ``as_json`` argument.
-
-    With it, a failure is JSON too, with the same keys as every outcome: the error, and the fix. The
-    exit code is the same.
-    """
-
-    @wraps(command)
-    def answer(*args: Any, as_json: bool, **settings: Any) -> Any:
-        try:
-            return command(*args, as_json=as_json, **settings)
-        except NeuroTouchError as error:
-            if not as_json:
-                raise
-            print_json({"status": "FAILED", "message": error.message, "fix": error.hint})
-            sys.exit(error.exit_code)
-
-    option = click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")
-    return cast(Command, option(answer))
+json_option = click.option("--json", "as_json", is_flag=True, help="Print it as JSON.")
+"""Gives a command its ``as_json`` argument. With it a failure is JSON too, see ``LazyGroup``."""
 
 
 def is_plain(*, asked: bool = False) -> bool:
@@ -95,8 +79,7 @@ def paint(text: str, colour: str, *, plain: bool) -> str:
 
 def say(status: str, sentence: str, fix: str = "", *, plain: bool = True) -> None:
     """Prints a line that begins with its status, and the next step below."""
-    colours = {"OK": "green", "WARNING": "yellow", "FAILED": "red"}
-    click.echo(f"{paint(status, colours.get(status, 'cyan'), plain=plain)} ", nl=False)
+    click.echo(f"{paint(status, _COLOURS.get(status, 'cyan'), plain=plain)} ", nl=False)
     echo(sentence)
     if fix:
         echo(f"Fix: {fix}")
@@ -104,8 +87,7 @@ def say(status: str, sentence: str, fix: str = "", *, plain: bool = True) -> Non
 
 def show_finding(finding: "Finding", *, plain: bool) -> None:
     """Prints a finding of the doctor: its status, its sentence, its fix."""
-    colours = {"OK": "green", "WARNING": "yellow", "FAILED": "red"}
-    status = paint(f"{finding.status:<8}", colours.get(finding.status, "cyan"), plain=plain)
+    status = paint(f"{finding.status:<8}", _COLOURS.get(finding.status, "cyan"), plain=plain)
     click.echo(f"{status} ", nl=False)
     echo(f"{finding.check}: {finding.sentence}")
     if finding.fix:
@@ -154,7 +136,7 @@ def save_text(path: Path, text: str) -> None:
     try:
         write_whole(path, text.encode())
     except OSError as error:
-        raise _explain(path, error) from error
+        raise NeuroTouchError.of_writing(path, error) from error
 
 
 def require_writable(path: Path) -> None:
@@ -166,14 +148,7 @@ def require_writable(path: Path) -> None:
     try:
         try_writing(path)
     except OSError as error:
-        raise _explain(path, error) from error
-
-
-def _explain(path: Path, error: OSError) -> NeuroTouchError:
-    return NeuroTouchError(
-        f"'{path}' cannot be written: {error.strerror}.",
-        hint="Choose a folder that exists, with room, that you may write to.",
-    )
+        raise NeuroTouchError.of_writing(path, error) from error
 
 
 def make_stamp() -> str:

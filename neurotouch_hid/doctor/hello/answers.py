@@ -24,7 +24,6 @@ _WELL: Final = 0.5
 _MOST_NOISE_HZ: Final = 5.0
 """Events/s of a pixel at rest: with more, 450,000 events/s come from noise alone."""
 _LEAST_DIRECTION_MM: Final = 2.5
-_MANY_KEPT: Final = 0.01
 
 
 class Word(StrEnum):

@@ -22,6 +22,7 @@ from neurotouch_hid.evaluation.accuracy.moments import WorstMoment
 from neurotouch_hid.evaluation.accuracy.origin import Origin
 from neurotouch_hid.evaluation.accuracy.tally import Tally
 from neurotouch_hid.gel_sentences import require_gel
+from neurotouch_hid.geometry import PAPER_GEL
 from neurotouch_hid.messages import Truth
 from neurotouch_hid.process.own_pool import open_pool
 from neurotouch_hid.recording import Clip, check_labelled, labels_path, read_labels
@@ -101,6 +102,7 @@ def evaluate_files(
     *,
     jobs: int = 1,
     progress: Callable[[Path], None] | None = None,
+    announce: Callable[[str], object] = str,  # says nothing
 ) -> Evaluation:
     """Plays every recording as fast as possible and compares it with the labels beside it.
 
@@ -109,6 +111,8 @@ def evaluate_files(
         options: method and rate, by default the paper's; each path replaces its source.
         jobs: number of recordings at a time, each in a process of its own.
         progress: called with each path when it is done.
+        announce: is told when loading takes long, as when kernels are compiled; called in one of
+            the processes.
 
     Raises:
         RecordingError: a recording or its labels cannot be read, or no label belongs to a moment
@@ -121,7 +125,7 @@ def evaluate_files(
         _read_labels(path)
     stems = Counter(path.stem for path in paths)
     finished = {}
-    for path, played in _play_all(paths, options, min(jobs, len(paths))):
+    for path, played in _play_all(paths, options, min(jobs, len(paths)), announce):
         finished[path] = played
         if progress is not None:
             progress(path)
@@ -131,15 +135,17 @@ def evaluate_files(
 
 
 def _play_all(
-    paths: Sequence[Path], options: DriverOptions, jobs: int
+    paths: Sequence[Path], options: DriverOptions, jobs: int, announce: Callable[[str], object]
 ) -> Iterator[tuple[Path, Played]]:
     if jobs <= 1:
+        _load(options, announce)
         yield from ((path, evaluate_file(path, options)) for path in paths)
         return
     try:
         # The longest first: one that begins last would leave the other cores idle.
         by_size = sorted(paths, key=lambda path: path.stat().st_size, reverse=True)
         with open_pool(jobs, _MODULES) as pool:
+            pool.submit(_load, options, announce)  # they all load now, and one of them tells
             futures = {pool.submit(evaluate_file, path, options): path for path in by_size}
             yield from ((futures[done], done.result()) for done in as_completed(futures))
     except BrokenProcessPool as error:
@@ -147,6 +153,14 @@ def _play_all(
             "Another program ended a process of the evaluation.",
             hint="Too little memory? Play fewer recordings at once.",
         ) from error
+
+
+def _load(options: DriverOptions, announce: Callable[[str], object]) -> None:
+    """Loads what every recording needs; ``announce`` is told when that takes long."""
+    from neurotouch_hid.driver.chosen import NOTHING  # noqa: PLC0415
+    from neurotouch_hid.driver.kernel_loading import load_kernels  # noqa: PLC0415
+
+    load_kernels(options, NOTHING.profile, PAPER_GEL, announce)
 
 
 def evaluate_file(path: Path, options: DriverOptions = REFERENCE) -> Played:

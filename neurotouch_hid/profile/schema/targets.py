@@ -13,7 +13,6 @@ from neurotouch_hid.vocabulary import Button
 
 Side = Literal["left", "right"]
 StickAxis = Literal["left_x", "left_y", "right_x", "right_y"]
-Direction = Literal["left", "right", "up", "down"]
 EightWay = Literal["left", "right", "up", "down", "up_left", "up_right", "down_left", "down_right"]
 MouseButton = Literal["left", "right", "middle", "back", "forward"]
 ModeName = Literal["hold", "toggle", "sticky", "oneshot", "turbo"]

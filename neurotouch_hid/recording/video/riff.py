@@ -22,8 +22,6 @@ _CODECS: Final = {
 }
 _BGR: Final = {8: "PAL8", 24: "BGR3", 32: "BGR4"}
 """Raw pictures without four letters, by their bits of a pixel."""
-_ROW_BYTES: Final = 4
-"""Rows of such pictures begin at multiples of this."""
 
 
 def find_codec(letters: bytes) -> str:

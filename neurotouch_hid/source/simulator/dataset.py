@@ -45,7 +45,6 @@ LONG_REST_US = 7_000_000  # of a user's first one with a known rig: ``hello`` ca
 NONE_SHARE = 0.4  # [NT, figure of the labels]: 15,000 of 37,912 frames show no gesture
 HIDDEN_US = 350_000  # of each attack and release, below what is labelled
 MANIFEST = "dataset.json"
-_ELSEWHERE = "Choose a folder that you may write to, with room."
 MAX_MANIFEST_BYTES = 4 << 20  # some 10,000 recordings
 SLICE_US = 20_000
 
@@ -161,9 +160,7 @@ def write_dataset(
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise RecordingError(
-            f"'{folder}' cannot be made: {error.strerror}.", hint=_ELSEWHERE
-        ) from error
+        raise RecordingError.of_writing(folder, error) from error
     finished = read_manifest(folder)
     paths = [folder / f"{recipe.name}{suffix}" for recipe in recipes]
     if not replace:
@@ -349,6 +346,4 @@ def _write_manifest(folder: Path, finished: dict[str, object]) -> None:
     try:
         write_whole(path, f"{json.dumps(finished, indent=1)}\n".encode())
     except OSError as error:
-        raise RecordingError(
-            f"'{path}' cannot be written: {error.strerror}.", hint=_ELSEWHERE
-        ) from error
+        raise RecordingError.of_writing(path, error) from error

@@ -96,9 +96,9 @@ def test_a_rig_file_of_a_replaced_recording_goes(tmp_path):
 
 def test_a_folder_that_cannot_be_made_has_a_fix(tmp_path):
     (tmp_path / "file").touch()
-    with pytest.raises(RecordingError, match="cannot be made: Not a directory") as caught:
+    with pytest.raises(RecordingError, match="cannot be written: Not a directory") as caught:
         dataset.write_dataset(tmp_path / "file" / "set", users=1, minutes=0.1, seed=2)
-    assert caught.value.hint == "Choose a folder that you may write to, with room."
+    assert caught.value.hint.startswith("See what each part of its path is: namei -l ")
 
 
 def test_a_set_is_distributed_like_the_papers():

@@ -72,7 +72,7 @@ def test_every_size_shows_the_gel_in_its_place(tmp_path, lens):
     )  # the first one that was confirmed
     assert found.px_per_mm == pytest.approx(2.5, rel=0.03)
     assert found.centre_px == pytest.approx((172.5, 129.5), abs=2.0)
-    assert source.view.width_px, source.view.height_px == lens.size_px
+    assert (source.view.width_px, source.view.height_px) == lens.size_px
 
 
 def test_touches_of_a_clip_as_a_program_reads_them(pushed):

@@ -22,7 +22,7 @@ def check_folder(folder: Path) -> None:
         is_taken = folder.exists() and not _is_replaceable(folder)
         TemporaryDirectory(dir=folder.parent, prefix=f".{folder.name}-").cleanup()
     except OSError as error:
-        raise _explain(folder, error) from error
+        raise NeuroTouchError.of_writing(folder, error) from error
     if is_taken:
         raise NeuroTouchError(
             f"'{folder}' contains files that are not part of a report.",
@@ -48,7 +48,7 @@ def fill_folder(folder: Path) -> Iterator[Path]:
                 folder.rename(Path(beside) / "old")
             new.rename(folder)
     except OSError as error:
-        raise _explain(folder, error) from error
+        raise NeuroTouchError.of_writing(folder, error) from error
 
 
 def _is_replaceable(folder: Path) -> bool:
@@ -62,7 +62,3 @@ def _is_replaceable(folder: Path) -> bool:
         and names <= {PAGE, NUMBERS, FIGURES}
         and all(entry.suffix == ".svg" for entry in figures)
     )
-
-
-def _explain(folder: Path, error: OSError) -> NeuroTouchError:
-    return NeuroTouchError(f"The report cannot be written to {folder}: {error.strerror}.")

@@ -2,8 +2,8 @@
 //
 // Lengths are in ship lengths, times in seconds. This module does not draw, sound or read a pad.
 
-export const BASE_SPEED = 13;
-export const SPEEDS = [0.2, 2];
+const BASE_SPEED = 13;
+const SPEEDS = [0.2, 2];
 export const RINGS = 12;
 const TURN_RAD_S = 0.85;
 const ROLL_RAD_S = 1.6;

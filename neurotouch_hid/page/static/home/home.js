@@ -11,29 +11,12 @@ import { makeCards, makeListener } from "./movements.js";
 import { makeOwnValues } from "./own_values.js";
 import { makeProfiles } from "./profiles.js";
 import { makeRemote } from "./remote.js";
+import { makeStart } from "./start.js";
 import { makeTrial } from "./trial.js";
 
 const HZ = 30;
-const PICTURE_MS = 1000;
-const FAULT = /^(Error|Fix|Warning|No real)/;
 const EDITS = ["check", "remote", "undo", "profile-use", "profile-copy", "range-undo", "own-undo"];
 const PAUSE = { do: "pause", for: "movement" }; // which ends with this page
-const STARTING = "The first start on a machine takes up to a minute.";
-const ADVICE = { // where the page can do nothing
-  no_camera: "Plug the camera in, or try everything with the mouse first.",
-  no_right: "You may not use the camera yet. Once, in a terminal: neurotouch setup",
-  no_pad: "No game sees what you do yet. Once, in a terminal: neurotouch setup",
-  service_stopped: "An administrator starts it: sudo systemctl start neurotouch",
-  unusable: "See below: Check this machine.",
-  no_data: "Look at its cable, or try everything with the mouse first.",
-  ready: "Keep your hand off the gel until the dots are found.",
-};
-
-const STARTS = { camera: "camera", events: "camera", webcam: "webcam" };
-const MENDS = { setup: "Give me the right", service: "Start the service" };
-const LOOKING = "Looking …";
-const WEBCAM = "If it looks at a gel, start with it. If not, try everything with the mouse first.";
-const PASSWORD = "This computer then asks for the password of an administrator.";
 
 const find = (id) => document.getElementById(id);
 let mayEdit = false;
@@ -42,15 +25,6 @@ let refusal = ""; // the place of the last one
 let about = null;
 let kept = {}; // how far an unfinished measurement is, of a hand and of a simulated one
 let newest = null;
-let situation = null;
-let plugged = ""; // a camera that could play in place of a simulated gel
-let runs = false;
-let starting = "";
-let isLost = false; // there is no connection, so nothing is known
-let replaces = false; // a camera's driver takes the place of one with a simulated gel
-let begun = false; // this page started the driver
-let ended = false; // this page ends it
-let faults = []; // errors of a failed start
 let isKnown = false; // the outputs have come
 let layer = "";
 let doing = false; // a movement is waited for, or its output is chosen
@@ -59,7 +33,7 @@ let fresh = false; // the driver is paused for it
 const page = openPage(HZ, {
   places,
   hello(_, { edit, far }) {
-    isLost = false;
+    start.setLost(false);
     page.send({ do: "profiles" });
     page.send({ do: "outputs" });
     for (const id of EDITS) find(id).disabled = !edit;
@@ -69,38 +43,30 @@ const page = openPage(HZ, {
     if (fresh) page.send(PAUSE); // the connection was lost, and the driver has gone on
   },
   state(state) {
-    isLost = false;
-    if (replaces) return; // the last ones of the driver that ends
+    if (!start.meet()) return;
     const first = newest === null;
     newest = state;
-    if (starting) sayStart(faults.join(" "));
-    [runs, starting] = [true, ""];
     profiles.setPlayed(state.profile);
     cards.mark(state.gesture.movement);
     // A movement before the driver has paused still moves the gamepad, and chooses nothing.
     if (state.state !== "running") listener.hear(state.gesture);
     trial.hear(state, performance.now());
-    if (first || state.slow !== shownSlow) showStart();
+    if (first || state.slow !== shownSlow) showAll();
     if (!layer && state.layer) showLayer();
   },
   driver(is) {
-    isLost = false;
-    runs = is;
-    if (!is) {
-      replaces = false;
-      lose();
-    }
-    showStart();
+    start.setRuns(is);
+    if (!is) lose();
+    showAll();
   },
   situation(found) { // told while nothing comes
-    situation = found;
+    start.setSituation(found);
     lose();
-    showStart();
+    showAll();
   },
   plugged(found) {
-    plugged = found;
-    if (plugged) page.tell(`A ${STARTS[plugged]} is plugged in.`);
-    showStart();
+    start.setPlugged(found);
+    showAll();
   },
   about(message) {
     const isFirst = about === null;
@@ -129,9 +95,9 @@ const page = openPage(HZ, {
     find("own-mend").hidden = !(fault && mayEdit);
   },
   lost: () => {
-    isLost = true;
+    start.setLost(true);
     calibration.lose();
-    showStart();
+    showAll();
   },
   saved(sentence, { n }) {
     if (n === copies) profiles.forget();
@@ -142,13 +108,19 @@ const page = openPage(HZ, {
     if (!places.has(n)) return;
     refusal = places.get(n);
     find(refusal).classList.add("refused");
-    if (refusal === "range-said" && !isLost) calibration.reset();
-    if (refusal === "start-lines") [starting, replaces] = ["", false];
-    (refusal === "start-lines" ? sayStart : (text) => say(refusal, text))(sentence);
-    showStart();
+    if (refusal === "range-said" && !start.isLost) calibration.reset();
+    if (refusal === "start-lines") start.refuse(sentence);
+    else say(refusal, sentence);
+    showAll();
   },
   picture: (address) => { find("picture").src = address; find("picture").hidden = false; },
-  program: hearProgram,
+  program(news) {
+    if (news.name === "check") check.hear(news);
+    else if (news.name === "calibrate") {
+      calibration.hear(news);
+      showAll();
+    } else start.hear(news);
+  },
   remote: (found) => showRemote(found),
 });
 
@@ -184,64 +156,13 @@ function turn(now) {
   requestAnimationFrame(turn);
 }
 
+const start = makeStart(find, { page, ask, say, lose, changed: showAll });
+
 let shownSlow = null;
-function showStart() {
+function showAll() {
   shownSlow = newest ? newest.slow : null;
-  const isMouse = hasGel();
-  for (const id of ["gel", "gesture-buttons"]) find(id).hidden = !isMouse;
-  const isSimulated = newest && newest.slow.simulated;
-  const isGel = newest && newest.gel.found;
-  let [words, advice] = [LOOKING, ""];
-  if (isLost) {
-    words = "Not connected.";
-  } else if (starting) {
-    words = "Starting …";
-  } else if (newest && !isGel) {
-    // The header has the reason.
-    [words, advice] = [`The gel is ${newest.gel.text.split(":")[0]}.`, newest.gel.fix];
-  } else if (isMouse) {
-    [words, advice] = ["The mouse presses a simulated gel.", "Drag on the gel below, turn the " +
-      "wheel, or use the arrow keys, Q, E, plus and minus."];
-  } else if (isSimulated) {
-    [words, advice] = ["A simulated hand plays.", "You can try everything on this page with it."];
-  } else if (newest) {
-    [words, advice] = ["Ready to play.", `Every game sees the gamepad: ${newest.slow.device}.`];
-  } else if (situation) {
-    const isReady = situation.kind === "ready" && situation.start === "camera";
-    [words, advice] = [isReady ? "The camera is ready." : situation.text,
-      situation.mend ? PASSWORD : situation.start === "webcam" ? WEBCAM : ADVICE[situation.kind]];
-  }
-  const before = find("situation").textContent;
-  const isNews = before !== words && !isLost; // that the connection is lost, the header says
-  if (isNews && newest) page.say(words);
-  else if (isNews && situation && !starting && before !== LOOKING) page.tell(words);
-  say("situation", words);
-  say("advice", advice);
-  const isIdle = !newest && !starting && situation !== null;
-  const startable = isIdle ? situation.start : isSimulated ? plugged : "";
-  const hadFocus = document.activeElement === find("start-camera");
-  find("start-camera").hidden = !startable;
-  if (startable) {
-    say("start-camera", isIdle ? `Start with the ${STARTS[startable]}`
-      : `Play with the ${STARTS[startable]} instead`);
-    find("start-camera").dataset.what = startable;
-  }
-  find("mend").hidden = !(isIdle && situation.mend);
-  if (isIdle && situation.mend) say("mend", MENDS[situation.mend]);
-  find("start-mouse").hidden = !isIdle;
-  if (hadFocus && !startable && isIdle) find("start-mouse").focus(); // the camera was unplugged
-  find("fly").hidden = !newest;
-  find("press").hidden = !isMouse;
-  find("look").hidden = !newest;
-  find("end").hidden = !runs;
-  // The button that started it is gone, and the focus too.
-  if (newest && begun && document.activeElement === document.body) find("fly").focus();
-  if (newest) begun = false;
-  if (ended && isIdle) {
-    const next = ["start-camera", "mend", "start-mouse"].map(find).find((each) => !each.hidden);
-    if (next && document.activeElement === document.body) next.focus();
-    ended = false;
-  }
+  for (const id of ["gel", "gesture-buttons"]) find(id).hidden = !hasGel();
+  start.show(newest, hasGel());
   find("by-doing").hidden = !(newest && about && about.edit && !profiles.view);
   find("by-doing").disabled = calibration.runs; // both listen to the same movements
   placeGel();
@@ -271,60 +192,6 @@ function showRange() {
 
 function say(id, text) {
   if (find(id).textContent !== text) find(id).textContent = text;
-}
-
-// Announced once: a screen reader would read a live region again whenever a dialog closes.
-function sayStart(text) {
-  if (find("start-lines").textContent !== text) page.tell(text);
-  say("start-lines", text);
-}
-
-function start(what) {
-  replaces = newest !== null;
-  starting = what;
-  begun = true;
-  faults = [];
-  ask({ do: "start", what, ...(replaces ? { instead: true } : {}) }, "start-lines");
-  lose();
-  sayStart(STARTING);
-  showStart();
-}
-
-find("start-camera").addEventListener("click", () => start(find("start-camera").dataset.what));
-find("start-mouse").addEventListener("click", () => start("mouse"));
-find("mend").addEventListener("click", () => {
-  faults = [];
-  ask({ do: "start", what: situation.mend }, "start-lines");
-  sayStart("Asking for the password …");
-});
-find("end").addEventListener("click", () => {
-  [faults, ended] = [[], true]; // what its start said is over
-  ask({ do: "stop", what: "driver" }, "start-lines");
-});
-let looks = 0;
-find("look").addEventListener("click", () => {
-  clearInterval(looks);
-  looks = looks ? 0 : setInterval(() => page.send({ do: "picture" }), PICTURE_MS);
-  if (looks) page.send({ do: "picture" });
-  find("picture").hidden = true;
-  find("look").textContent = looks ? "Hide the picture" : "Show the camera's picture";
-});
-
-function hearProgram(news) {
-  if (news.name === "check") return check.hear(news);
-  if (news.name === "calibrate") {
-    calibration.hear(news);
-    return showStart();
-  }
-  if ("line" in news) {
-    if (FAULT.test(news.line)) faults.push(news.line);
-    if (faults.length) sayStart(faults.join(" "));
-    return;
-  }
-  if (news.name in MENDS && news.code && !faults.length) faults = ["Nothing was changed."];
-  starting = "";
-  sayStart(faults.join(" "));
-  return showStart();
 }
 
 // 2 What each movement does
@@ -393,7 +260,7 @@ function endListening() {
   if (fresh) page.send({ do: "resume" });
   const hadFocus = find("doing").contains(document.activeElement);
   doing = fresh = false;
-  showStart();
+  showAll();
   if (hadFocus) find("by-doing").focus(); // the gel has gone back to its place
 }
 
@@ -420,7 +287,7 @@ function showLayer() {
     const same = (wanted) => listed.find((each) => each.dataset.place === wanted);
     (same(place) || same(`${place.split(" ")[0]} add`)).focus();
   }
-  showStart();
+  showAll();
 }
 
 find("layer-choice").addEventListener("change", () => {
@@ -452,7 +319,7 @@ find("measure").addEventListener("click", () => {
   calibration.begin();
   find("answers").querySelector("button").focus(); // the button that had the focus is gone
   ask({ do: "start", what: "calibrate" }, "range-said");
-  showStart();
+  showAll();
   find("measuring").scrollIntoView(); // the question and the gel
 
 });
@@ -480,5 +347,5 @@ find("check").addEventListener("click", () => {
 
 const showRemote = makeRemote(find, say, ask);
 
-showStart();
+showAll();
 requestAnimationFrame(turn);

@@ -7,7 +7,7 @@ const LEAST = 0.05; // of an axis
 const TOLD = ["button", "key", "trigger", "stick", "axis", "dpad", "mouse"]; // by a state
 
 // Returns true if a gamepad's state has this output.
-export function hasOutput(pad, output) {
+function hasOutput(pad, output) {
   const [kind, name, sign] = output.split(" ");
   const value = (axis) => pad.axes[axis] || 0;
   if (kind === "button") return pad.buttons.includes(name);

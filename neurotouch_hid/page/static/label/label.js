@@ -6,24 +6,22 @@
 import { readKey } from "../shared/presses.js";
 import { makeSpeech } from "../shared/speech.js";
 import { connect, element } from "../shared/wire.js";
+import { MIDDLE, makePicture } from "./picture.js";
 import { makeTimeline } from "./timeline.js";
 
 const NAMES = ["No gesture", "Push", "Pinch", "Zoom", "Clockwise twist", "Counter-clockwise twist"];
 const WITHOUT = "-";
-const [WIDTH, HEIGHT] = [346, 260];
 const MOST_CONTACTS = 3;
 const part = (id) => document.getElementById(id);
 const speech = makeSpeech(part("live"));
 
 let recording = null;
 let sheet = null;
-let moment = null; // what the server says of the present moment
 let k = 0;
 let begin = null; // of the marked part
 let end = null;
 let timer = 0;
 let asked = -1; // the moment that was asked for last
-let held = null; // a contact that is dragged
 
 const wire = connect(0, [{
   hello(_, { recording: told }) {
@@ -45,8 +43,7 @@ const wire = connect(0, [{
     ask();
   },
   moment(told) {
-    moment = told;
-    if (told.k === k) showMoment();
+    if (told.k === k) picture.show(told, `The gel at ${seconds(k)} seconds`);
   },
   saved(sentence) {
     part("saved").textContent = "Saved";
@@ -65,6 +62,12 @@ const timeline = makeTimeline({
   go: (to) => { pause(); go(to); },
   // The end of a label was dragged: the gesture reaches to another moment.
   reach: (first, last, kind) => change({ do: "type", first, last, kind: recording.kinds[kind] }),
+});
+
+const picture = makePicture(part, {
+  grasp: pause,
+  move: (at, index, [x, y]) => change({ do: "move", k: at, index, x, y }),
+  remove,
 });
 
 function notice(sentence) {
@@ -157,94 +160,6 @@ function showSheet() {
   showPlace();
 }
 
-function showMoment() {
-  const picture = part("picture");
-  if (moment.picture) picture.src = moment.picture;
-  else picture.removeAttribute("src");
-  picture.alt = `The gel at ${seconds(k)} seconds`;
-  part("dots").replaceChildren(...moment.dots.map(([x, y, seen]) => {
-    const dot = document.createElementNS("http://www.w3.org/2000/svg", "circle");
-    for (const [key, value] of [["cx", x + 0.5], ["cy", y + 0.5], ["r", 3.6]]) {
-      dot.setAttribute(key, String(value));
-    }
-    if (!seen) dot.setAttribute("class", "guessed");
-    return dot;
-  }));
-  if (!held) showContacts();
-}
-
-const shownLabel = () => moment.label ?? moment.proposal;
-
-function showContacts() {
-  const label = shownLabel();
-  const places = label ? label.contacts : [];
-  const list = part("contacts");
-  while (list.children.length > places.length) list.lastChild.remove();
-  while (list.children.length < places.length) list.append(makeContact(list.children.length));
-  for (const [i, place] of places.entries()) {
-    put(list.children[i], place);
-    list.children[i].classList.toggle("proposed", !moment.label);
-  }
-}
-
-function put(button, [x, y]) {
-  button.style.left = `${(100 * (x + 0.5)) / WIDTH}%`;
-  button.style.top = `${(100 * (y + 0.5)) / HEIGHT}%`;
-  button.setAttribute("aria-label",
-    `Contact ${button.dataset.index - -1}, ${x.toFixed(0)}, ${y.toFixed(0)} px`);
-}
-
-function placeOf(event) {
-  const box = part("stage").getBoundingClientRect();
-  return [((event.clientX - box.left) / box.width) * WIDTH - 0.5,
-    ((event.clientY - box.top) / box.height) * HEIGHT - 0.5];
-}
-
-function makeContact(index) {
-  const button = element("button", { type: "button", text: String(index + 1) });
-  button.dataset.index = String(index);
-  button.addEventListener("pointerdown", (event) => {
-    event.preventDefault();
-    pause();
-    button.focus();
-    button.setPointerCapture(event.pointerId);
-    held = { index, k, place: null };
-  });
-  button.addEventListener("pointermove", (event) => {
-    if (!held || held.index !== index) return;
-    held.place = placeOf(event);
-    put(button, held.place);
-  });
-  const drop = () => {
-    if (held?.place) move(held.k, index, held.place);
-    held = null;
-  };
-  button.addEventListener("pointerup", drop);
-  button.addEventListener("pointercancel", () => { held = null; showContacts(); });
-  button.addEventListener("keydown", (event) => {
-    const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-    const step = steps[event.key];
-    if (step) {
-      event.preventDefault();
-      event.stopPropagation();
-      const far = event.shiftKey ? 10 : 1;
-      const label = shownLabel();
-      const [x, y] = label.contacts[index];
-      label.contacts[index] = [x + far * step[0], y + far * step[1]];
-      put(button, label.contacts[index]);
-      move(k, index, label.contacts[index]);
-    }
-    if (event.key === "Delete") {
-      event.preventDefault();
-      event.stopPropagation();
-      remove(index);
-    }
-  });
-  return button;
-}
-
-const move = (at, index, [x, y]) => change({ do: "move", k: at, index, x, y });
-
 function remove(index) {
   change({ do: "remove", k, index });
 }
@@ -256,7 +171,7 @@ function removeChosen() {
 
 function add(place) {
   if (countAt(k) < MOST_CONTACTS) {
-    const [x, y] = place ?? [WIDTH / 2, HEIGHT / 2];
+    const [x, y] = place ?? MIDDLE;
     change({ do: "add", k, x, y });
   } else {
     notice(`A gesture has at most ${MOST_CONTACTS} contacts.`);
@@ -368,7 +283,7 @@ for (const [id, act] of Object.entries({
 // The chosen contact keeps the focus, so that Remove knows which is meant.
 part("remove").addEventListener("pointerdown", (event) => event.preventDefault());
 part("stage").addEventListener("dblclick", (event) => {
-  if (sheet && !event.target.closest("button")) add(placeOf(event));
+  if (sheet && !event.target.closest("button")) add(picture.findPlace(event));
 });
 
 const LETTERS = {

@@ -4,7 +4,7 @@ import { colour, prepareCanvas } from "./wire.js";
 
 const ARROW = 3; // arrows are three times as long as the motion
 const RADIUS_MM = 33;
-export const UNSURE_MM = 3.4; // mean error of a contact point, from the paper
+const UNSURE_MM = 3.4; // mean error of a contact point, from the paper
 
 export function findScale(width, height) {
   return Math.min(width, height) / (2 * RADIUS_MM);

@@ -3,7 +3,7 @@
 import { element } from "../shared/wire.js";
 import { makeMark, makeRows, watchWidth } from "./marks.js";
 
-export const MOST_MM = 15;
+const MOST_MM = 15;
 const PEAK_MS = 3000;
 const NAMES = {
   push_left: "Push left", push_right: "Push right", push_up: "Push up", push_down: "Push down",

@@ -10,7 +10,6 @@ from neurotouch_hid.source.simulator.setup import ClockChange, Piece, Setup
 
 LOSS_PERIOD_US = 500_000  # how often events get lost
 JUMP_AT = 0.4  # share of the play
-HELD_US = 500_000  # how long a hand has been on the gel when the camera starts
 
 
 def frames(setup: Setup, per_s: float) -> Setup:
