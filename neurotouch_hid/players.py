@@ -49,6 +49,12 @@ def list_players() -> list[int]:
     return list(found) or [1]
 
 
+def name_command(player: int) -> str:
+    """Returns the command for one player's driver alone, without which it may reach others."""
+    is_alone = player == 1 and list_players() == [1]
+    return "neurotouch" if is_alone else f"{PLAYER}={player} neurotouch"
+
+
 def find_user_file(player: int | None = None, folder: Path | None = None) -> Path:
     """Returns the file of the person's own values; it need not exist.
 

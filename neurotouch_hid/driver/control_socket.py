@@ -18,7 +18,7 @@ from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver.admission import Guests, is_admitted
 from neurotouch_hid.errors import AlreadyRunningError, DriverError
 from neurotouch_hid.ipc import find_peer, listen_at, read_object
-from neurotouch_hid.players import find_socket
+from neurotouch_hid.players import PLAYERS, find_socket, list_runtime_folders, name_command
 from neurotouch_hid.status import Answer, Refusal
 
 MAX_CLIENTS: Final = 8
@@ -196,9 +196,12 @@ def _name_running(lock: Path) -> AlreadyRunningError:
     pid = ""
     with suppress(OSError):
         pid = lock.read_bytes()[:20].decode("ascii", "replace").strip()
+    players = map(int, PLAYERS)
+    player = next((n for n in players if lock.parent in list_runtime_folders(n)), 1)
+    command = name_command(player)
     return AlreadyRunningError(
         f"The driver is already running (PID {pid or 'unknown'}).",
-        hint="Ask it: neurotouch status. End it: neurotouch stop",
+        hint=f"Ask it: {command} status. End it: {command} stop",
     )
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 
 from neurotouch_hid.client import NOT_RUNNING, Reached, ask_every, wait_until_ended
 from neurotouch_hid.errors import DriverError
-from neurotouch_hid.players import list_players
+from neurotouch_hid.players import find_player, list_players
 from neurotouch_hid.process.dead_output import print_answer, print_error
 
 
@@ -76,7 +76,7 @@ def _name_all(reached: Iterable[Reached]) -> list[str]:
     """
     rows = [(each.player, each.name) for each in reached]
     players, names = {player for player, _ in rows}, {name for _, name in rows}
-    if len(players) == 1:
+    if players == {find_player()}:
         return [f"{name[0].upper()}{name[1:]}: " for _, name in rows]
     if len(names) == 1:
         return [f"Player {player}: " for player, _ in rows]
