@@ -155,9 +155,10 @@ def _run() -> Any:
     if "_NEUROTOUCH_COMPLETE" in os.environ:
         from click.shell_completion import add_completion_class
 
-        from neurotouch_hid.cli.ui.bash import Bash
+        from neurotouch_hid.cli.ui.shells import Bash, Zsh
 
         add_completion_class(Bash)
+        add_completion_class(Zsh)
         return cli.main(prog_name="neurotouch", standalone_mode=False)
     try:
         with cli.make_context("neurotouch", sys.argv[1:]) as ctx:
