@@ -108,7 +108,7 @@ MISTAKES = [
     (
         "version: 1\nname: §X!\nbindings: §3\n",
         [
-            "name: needs 1 to 64 small letters, digits, _ or -",
+            "name: needs 1 to 64 small letters, digits, _ or -, and no - in front",
             "bindings: needs a list, not 3",
         ],
     ),
