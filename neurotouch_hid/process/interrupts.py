@@ -11,10 +11,11 @@ from typing import Final
 EXIT_INTERRUPTED: Final = 130
 _COMMANDS: Final = "neurotouch_hid.cli"
 _IMPORT: Final = frozenset({"importlib", "_frozen_importlib"})
-_DELICATE: Final = _IMPORT | {"pydantic", "llvmlite", "weakref", "_weakrefset"}
+_DELICATE: Final = _IMPORT | {"pydantic", "llvmlite", "weakref", "_weakrefset", "multiprocessing"}
 """Modules in which an exception may get lost. A library that is imported swallows it or stays half
-made. pydantic takes it for a fault of a schema. llvmlite prints a traceback while it tidies up. Of
-an exception in a weak reference's callback, as in ``__del__``, Python only prints a warning."""
+made. pydantic takes it for a fault of a schema. llvmlite prints a traceback while it tidies up. A
+process that multiprocessing starts is not known yet, so it would not be ended, and print one. Of an
+exception in a weak reference's callback, as in ``__del__``, Python only prints a warning."""
 _SOON_S: Final = 0.01
 
 
