@@ -50,15 +50,15 @@ except SystemExit:
 
 POOL = """
 import os, signal, time
-from multiprocessing import forkserver
+from {module} import {owner}
 from neurotouch_hid.process.interrupts import handle_interrupts
 from neurotouch_hid.process.own_pool import open_pool
 handle_interrupts()
-read = forkserver.read_signed
-def interrupted(descriptor):
+real = {owner}.{name}
+def interrupted(*arguments):
     os.kill(os.getpid(), signal.SIGTERM)
-    return read(descriptor)
-forkserver.read_signed = interrupted
+    return real(*arguments)
+{owner}.{name} = interrupted
 try:
     with open_pool(1) as pool:
         pool.submit(abs, -1)
@@ -116,9 +116,16 @@ def test_elsewhere_it_waits_until_nobody_can_swallow_it(python, tmp_path, name, 
     assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")
 
 
-def test_a_process_that_is_just_being_started_is_ended_too(python):
-    """One that was forgotten would find nothing of its pool, and print a traceback."""
-    done = python("-c", POOL)
+@pytest.mark.parametrize(
+    ("module", "owner", "name"),
+    [
+        ("multiprocessing", "forkserver", "read_signed"),
+        ("concurrent.futures.process", "_ExecutorManagerThread", "start"),
+    ],
+)
+def test_what_a_pool_is_just_starting_is_ended_too(python, module, owner, name):
+    """A process that was forgotten would find nothing of its pool, and print a traceback."""
+    done = python("-c", POOL.format(module=module, owner=owner, name=name))
     assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")
 
 
