@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from neurotouch_hid.cli.shared.send_without_click import send_command
+from neurotouch_hid.cli.shared.silent_driver import open_silent_driver
 from neurotouch_hid.client import ask
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.errors import NotRunningError
@@ -89,6 +90,18 @@ def test_nobody_takes_the_place_of_a_player_who_plays(players):
     assert f"Fix: Ask it: {only} status. End it: {only} stop" in done.stderr
     first = players.call("run", "--source", "sim:rest", "--device", "memory")
     assert "End it: NEUROTOUCH_PLAYER=1 neurotouch stop" in first.stderr
+
+
+def test_a_demo_is_that_of_the_environments_player(players):
+    done = players.call("demo", "--seconds", "1", "--no-page", player="2")
+    assert (done.returncode, "NEUROTOUCH_PLAYER=2 neurotouch stop" in done.stderr) == (75, True)
+    done = players.call("demo", "--seconds", "1", "--no-page", player="3")
+    assert done.returncode == 0, done.stderr
+
+
+def test_who_is_measured_is_the_environments_player(tmp_path, monkeypatch):
+    monkeypatch.setenv("NEUROTOUCH_PLAYER", "2")
+    assert open_silent_driver("sim:push").options.player == 2
 
 
 @pytest.fixture
