@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from neurotouch_hid import client
 from neurotouch_hid.cli.shared.send_without_click import send_command
 from neurotouch_hid.cli.shared.silent_driver import open_silent_driver
+from neurotouch_hid.cli.ui.welcome import welcome
 from neurotouch_hid.client import ask
 from neurotouch_hid.driver.control_socket import ControlSocket
-from neurotouch_hid.errors import NotRunningError
+from neurotouch_hid.errors import DriverError, NotRunningError
 from neurotouch_hid.players import find_runtime_folder
 from neurotouch_hid.profile.editing import hand_over_saved
 from tests.processes import PROGRAM, make_environment, run_neurotouch
@@ -127,6 +129,19 @@ def test_a_player_who_does_not_play_is_told_who_does(second, monkeypatch):
     )
     monkeypatch.setenv("NEUROTOUCH_PLAYER", "2")
     assert ask("status")["ok"]
+
+
+def test_the_welcome_knows_drivers_that_it_cannot_describe(second, capsys, monkeypatch):
+    welcome()
+    assert "The driver of player 2 runs. For this one: " in capsys.readouterr().out
+    monkeypatch.setattr(client, "ask_status", _refuse)
+    welcome()
+    said = "The driver does not answer.\nFix: Try again in a moment.\n"
+    assert capsys.readouterr().out == f"{said}All commands: neurotouch --help\n"
+
+
+def _refuse():
+    raise DriverError("The driver does not answer.", hint="Try again in a moment.")
 
 
 def test_an_order_names_the_only_player_it_has_reached(second, capsys, monkeypatch):
