@@ -23,7 +23,7 @@ def welcome() -> None:
     except NotRunningError as error:
         echo(_advise())
         if error.hint != explain_start():  # another player's driver runs
-            echo(error.hint)
+            echo(error.hint or "")
     except DriverError as error:  # there is one: to start another is no advice
         echo(error.message)
         echo(f"Fix: {error.hint}" if error.hint else "Next: neurotouch doctor")
