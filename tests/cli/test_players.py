@@ -152,6 +152,14 @@ def test_an_order_names_the_only_player_it_has_reached(second, capsys, monkeypat
     assert capsys.readouterr().out == "Your driver: Done.\n"
 
 
+def test_a_wrong_variable_stops_no_panic(second, capsys, monkeypatch):
+    monkeypatch.setenv("NEUROTOUCH_PLAYER", "two")
+    assert send_command("panic") == 0
+    assert second == ["panic"]
+    assert send_command("resume") == 8
+    assert "Fix: For the first player: unset NEUROTOUCH_PLAYER" in capsys.readouterr().err
+
+
 def test_own_values_are_not_said_to_play_with_another_player(second):
     """Each player has a file of them; profiles are for all."""
     assert hand_over_saved("user").text == "No driver is running; it applies from the next start."
