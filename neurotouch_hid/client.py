@@ -16,12 +16,15 @@ from typing import Any, Final, NamedTuple
 from neurotouch_hid.errors import DriverError, NotRunningError
 from neurotouch_hid.ipc import StrangerError, connect_to
 from neurotouch_hid.players import (
+    PLAYERS,
     SERVICE_FOLDER,
     explain_start,
+    find_player,
     find_socket,
     has_socket,
     is_service_folder,
     list_runtime_folders,
+    name_command,
 )
 from neurotouch_hid.printable import make_value_printable
 from neurotouch_hid.status import Status, check_status, explain_missing
@@ -199,6 +202,24 @@ def is_served(folder: Path) -> bool:
     return True
 
 
+def explain_absence(player: int | None = None) -> str:
+    """Returns what to do where a player's driver does not run: it may be another's that is meant.
+
+    Args:
+        player: the player number; None means the one of the environment.
+    """
+    sought = player or find_player()
+    playing = [
+        each
+        for each in map(int, PLAYERS)
+        if each != sought and any(map(is_served, list_runtime_folders(each)))
+    ]
+    if not playing:
+        return explain_start()
+    names = " and ".join(f"player {each}" for each in playing)
+    return f"The driver of {names} runs. For this one: {name_command(playing[0])} COMMAND"
+
+
 def is_driver_running() -> bool:
     """Returns whether a driver of the environment's player runs that this user may ask."""
     try:
@@ -251,7 +272,8 @@ def _ask_any(
             return _ask_at(folder, question, patience_s)
         except NotRunningError as error:
             missing.append(error)
-    raise _join(missing)
+    absent = _join(missing)
+    raise NotRunningError(absent.message, hint=explain_absence(player))
 
 
 def _ask_at(folder: Path, question: bytes, patience_s: float) -> tuple[Reply, socket.socket]:

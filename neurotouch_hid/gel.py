@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Final, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from neurotouch_hid.client import explain_absence
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver import DriverOptions
 from neurotouch_hid.driver_state import MarkerWriter, PadState, read_head, read_markers
 from neurotouch_hid.errors import NeuroTouchError, NotRunningError, require_type
 from neurotouch_hid.messages import Axis, Button, Frame, GamepadState
-from neurotouch_hid.players import explain_start
 from neurotouch_hid.subscriber import Subscriber
 from neurotouch_hid.vocabulary import RUNNING_DRIVER, Speed
 
@@ -167,7 +167,7 @@ def open_gel(
         subscriber = Subscriber(player)
         subscriber.want(_HZ)
         if subscriber.connect() is None:
-            raise NotRunningError("No driver is running.", hint=explain_start())
+            raise NotRunningError("No driver is running.", hint=explain_absence(player))
         return Gel(_read_driver(subscriber), subscriber, options.source)
     from neurotouch_hid.driver import Driver  # noqa: PLC0415  # needs numba
 

@@ -26,27 +26,34 @@ _SOCKET: Final = "control"
 
 
 def find_player() -> int:
-    """Returns the player number: 1, unless ``NEUROTOUCH_PLAYER`` names another player.
+    """Returns the player number: 1, unless ``NEUROTOUCH_PLAYER`` names another; empty is none.
 
     Raises:
         DriverError: it names none.
     """
-    text = os.environ.get(PLAYER, "1")
+    text = os.environ.get(PLAYER) or "1"
     if text not in PLAYERS:
         raise DriverError(
-            f"The variable {PLAYER} must be one of {', '.join(PLAYERS)}, not {text!r}."
+            f"The variable {PLAYER} must be one of {', '.join(PLAYERS)}, not {text!r}.",
+            hint=f"For the first player: unset {PLAYER}",
         )
     return int(text)
 
 
 def list_players() -> list[int]:
     """Returns players whose driver may run: the environment's, else all with a socket."""
-    if PLAYER in os.environ:
+    if os.environ.get(PLAYER):
         return [find_player()]
     found = (
         player for player in map(int, PLAYERS) if any(map(has_socket, list_runtime_folders(player)))
     )
     return list(found) or [1]
+
+
+def name_command(player: int) -> str:
+    """Returns the command for one player's driver alone, without which it may reach others."""
+    is_alone = player == 1 and list_players() == [1]
+    return "neurotouch" if is_alone else f"{PLAYER}={player} neurotouch"
 
 
 def find_user_file(player: int | None = None, folder: Path | None = None) -> Path:

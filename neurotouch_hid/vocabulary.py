@@ -7,8 +7,8 @@ from enum import IntEnum, StrEnum
 from pathlib import PurePath
 from typing import Final, Literal
 
-NAME_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
-"""The name of a profile; never a path."""
+NAME_PATTERN: Final = r"^[a-z0-9_][a-z0-9_-]{0,63}$"
+"""The name of a profile; never a path, and never what commands take for an option."""
 
 PipelineState = Literal["running", "paused", "panic"]
 """Whether gestures act. Only ``resume`` ends a panic."""

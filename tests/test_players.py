@@ -39,11 +39,19 @@ def test_the_environment_names_the_player(monkeypatch):
         assert players.find_player() == number
 
 
-@pytest.mark.parametrize("text", ["0", "5", "", "one", "12"])
+@pytest.mark.parametrize("text", ["0", "5", " ", "one", "12"])
 def test_another_name_is_an_error(monkeypatch, text):
     monkeypatch.setenv("NEUROTOUCH_PLAYER", text)
     with pytest.raises(DriverError, match="must be one of 1, 2, 3, 4, not"):
         players.find_player()
+
+
+def test_an_empty_name_is_none(monkeypatch, tmp_path):
+    """As ``run`` takes it, and as a unit file sets it."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setenv("NEUROTOUCH_PLAYER", "")
+    assert players.find_player() == 1
+    assert players.list_players() == [1]
 
 
 def test_the_players_are_those_with_a_socket_or_the_first(monkeypatch, tmp_path):

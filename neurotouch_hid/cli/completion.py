@@ -1,12 +1,11 @@
 """``neurotouch completion``: prints the tab completion of a shell."""
 
 import click
-from click.shell_completion import FishComplete, ZshComplete
 
 from neurotouch_hid.cli.main import cli
-from neurotouch_hid.cli.ui.bash import Bash
+from neurotouch_hid.cli.ui.shells import Bash, Fish, Zsh
 
-_SHELLS = {"bash": Bash, "zsh": ZshComplete, "fish": FishComplete}
+_SHELLS = {"bash": Bash, "zsh": Zsh, "fish": Fish}
 
 
 @click.command(

@@ -88,6 +88,7 @@ def command(
     check_source(played)
     from neurotouch_hid.driver import DriverOptions
     from neurotouch_hid.driver.check import check_start
+    from neurotouch_hid.players import find_player, find_runtime_folder
 
     options = DriverOptions(
         source=played,
@@ -95,6 +96,7 @@ def command(
         method=method,
         gel=gel,
         copilot="",
+        player=find_player(),
         needs_device=False,
     )
     check_start(options)
@@ -102,7 +104,6 @@ def command(
     from neurotouch_hid.cli.shared.play import play
     from neurotouch_hid.driver import Driver
     from neurotouch_hid.driver.gel_file import choose_gel
-    from neurotouch_hid.players import find_runtime_folder
     from neurotouch_hid.source import open_source
     from neurotouch_hid.source.mouse_gel import MouseSource
     from neurotouch_hid.tracker import GelFinder

@@ -12,7 +12,7 @@ import click
 from neurotouch_hid import __version__
 from neurotouch_hid.cli.shared.silent_driver import is_guided, open_silent_driver
 from neurotouch_hid.cli.shared.telling import Telling, open_option, page_option, start_page
-from neurotouch_hid.cli.ui.completing import complete_source
+from neurotouch_hid.cli.ui.completing import complete_own_source
 from neurotouch_hid.cli.ui.options import seed_option
 from neurotouch_hid.cli.ui.output import echo, plain_option, require_writable, say
 from neurotouch_hid.errors import NeuroTouchError
@@ -50,7 +50,7 @@ _MOST_RECORDED_US = 600_000_000
 @click.argument("name", default="camera")
 @click.option(
     "--source",
-    shell_complete=complete_source,
+    shell_complete=complete_own_source,
     show_default="the DAVIS that is plugged in, or else the video camera",
     help="davis:SERIAL, video:NAME or events:SERIAL (a camera), file:NAME.aedat4 (a recording) "
     "or sim:NAME (the simulator).",

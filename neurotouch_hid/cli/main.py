@@ -3,6 +3,7 @@
 Only ``click`` is imported before a sub-command is chosen, so that ``neurotouch --help`` is instant.
 """
 
+import errno
 import os
 import sys
 from typing import Any
@@ -19,6 +20,8 @@ from neurotouch_hid.process.interrupts import (
     end_at_next_interrupt,
     handle_interrupts,
 )
+
+_OUTPUT_FAULTS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF)
 
 _SUMMARIES = {
     "run": "Drive the virtual gamepad from a camera, a recording or the simulator.",
@@ -125,21 +128,33 @@ def main() -> None:
         code = 0
     except MemoryError:
         code = _tell("There is not enough memory.", "Close other programs, then try again.", 1)
+    except RuntimeError as error:
+        if "new thread" not in str(error):
+            raise
+        what = "No thread can be started: too little memory, or too many processes."
+        code = _tell(what, "Close other programs, then try again.", 1)
     except OSError as error:
-        # A full disk under `neurotouch ... > file`, a folder that vanished: files that we open
-        # ourselves have sentences of their own.
-        from neurotouch_hid.partial_file import suggest_fix
-
-        what = (
-            f"The file '{error.filename}' cannot be used"
-            if error.filename
-            else "The output cannot be written"
-        )
-        fix = suggest_fix(error) if error.filename else None
-        code = _tell(f"{what}: {error.strerror}.", fix, 1)
+        code = _tell(*_explain_system(error), 1)
         sys.stdout = None
     end_at_next_interrupt()
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def _explain_system(error: OSError) -> tuple[str, str | None]:
+    """Returns what the system refused, and the fix.
+
+    A full disk under ``neurotouch ... > file``, a folder that vanished: files that we open
+    ourselves have sentences of their own.
+    """
+    from neurotouch_hid.partial_file import suggest_fix
+
+    if error.errno in (errno.EMFILE, errno.ENFILE):
+        return "Too many files are open.", "Allow more, then try again: ulimit -n 1024"
+    if error.filename:
+        return f"The file '{error.filename}' cannot be used: {error.strerror}.", suggest_fix(error)
+    if error.errno in _OUTPUT_FAULTS:
+        return f"The output cannot be written: {error.strerror}.", None
+    return f"The system refuses a call: {error.strerror}.", "Find out more: neurotouch doctor"
 
 
 def _run() -> Any:
@@ -154,9 +169,10 @@ def _run() -> Any:
     if "_NEUROTOUCH_COMPLETE" in os.environ:
         from click.shell_completion import add_completion_class
 
-        from neurotouch_hid.cli.ui.bash import Bash
+        from neurotouch_hid.cli.ui.shells import Bash, Zsh
 
         add_completion_class(Bash)
+        add_completion_class(Zsh)
         return cli.main(prog_name="neurotouch", standalone_mode=False)
     try:
         with cli.make_context("neurotouch", sys.argv[1:]) as ctx:

@@ -33,21 +33,21 @@ def command(plain: bool, as_lines: bool, seconds: float | None) -> None:
     import shutil
     import time
 
+    from neurotouch_hid.client import explain_absence
     from neurotouch_hid.driver_state import read_head
     from neurotouch_hid.errors import NotRunningError
     from neurotouch_hid.page.text_view import LineWriter, draw_picture
-    from neurotouch_hid.players import explain_start
     from neurotouch_hid.subscriber import Subscriber
 
     end = float("inf") if seconds is None else time.monotonic() + seconds
     listener = Subscriber()
     listener.want(PICTURE_HZ)
     if listener.connect() is None:
-        text = f"No driver is running; waiting for one (Ctrl-C stops). {explain_start()}"
+        text = f"No driver is running; waiting for one (Ctrl-C stops). {explain_absence()}"
         echo(text, err=True)
     while (peer := listener.connect()) is None:
         if time.monotonic() >= end:
-            raise NotRunningError("No driver has started.", hint=explain_start())
+            raise NotRunningError("No driver has started.", hint=explain_absence())
         time.sleep(LOOK_S)
     writer = LineWriter()
     height = 0

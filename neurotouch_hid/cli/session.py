@@ -77,7 +77,7 @@ def command() -> None:
         told[player] = refusal
         return done.status == "plays"
 
-    players = [find_player()] if PLAYER in os.environ else [int(name) for name in PLAYERS]
+    players = [find_player()] if os.environ.get(PLAYER) else [int(name) for name in PLAYERS]
     stop = stop_on_signals()
     with _only_one(find_runtime_folder(players[0]) / "session"):
         if sys.stderr.isatty():

@@ -1,6 +1,7 @@
 """Checks the person's own settings: profiles, calibration, the keys that stop everything, sound."""
 
 import datetime
+import errno
 import os
 import re
 import shutil
@@ -14,6 +15,7 @@ from neurotouch_hid.doctor.finding import Finding, approve, fail, skip, warn
 from neurotouch_hid.driver.settings import load_driver_settings
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES, read_text
 from neurotouch_hid.monitor.sound_programs import SOUND_PROGRAMS
+from neurotouch_hid.partial_file import suggest_fix
 from neurotouch_hid.players import find_user_file
 from neurotouch_hid.profile import list_profiles, load_profile, load_user
 from neurotouch_hid.profile.reading import find_user_folder
@@ -38,10 +40,12 @@ def check_profiles() -> Finding:
     folder = find_user_folder()
     nearest = next(each for each in (folder, *folder.parents) if each.exists())
     if not os.access(nearest, os.W_OK):
+        is_read_only = os.statvfs(nearest).f_flag & os.ST_RDONLY
+        number = errno.EROFS if is_read_only else errno.EACCES
         return warn(
             f"{len(names)} profiles are in order, but {nearest} cannot be written, so none can be "
             "changed and no version kept.",
-            f"Make yourself its owner again: chown -R $(id -un) {nearest}",
+            suggest_fix(OSError(number, os.strerror(number), str(nearest))),
         )
     return approve(f"{len(names)} profiles are in order; '{user.slots[0]}' plays first.")
 

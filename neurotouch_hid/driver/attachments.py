@@ -23,6 +23,7 @@ from neurotouch_hid.monitor import SoundMonitor
 from neurotouch_hid.monitor.encoder import StateEncoder
 from neurotouch_hid.monitor.publisher import Publisher
 from neurotouch_hid.players import find_machine_folder, find_runtime_folder
+from neurotouch_hid.profile.reading import find_values
 from neurotouch_hid.runtime import Pipeline, PipelineControl, Tap
 from neurotouch_hid.source import FactTelling, Source
 from neurotouch_hid.status import Described
@@ -186,9 +187,13 @@ class Attachments(Closing):
         person = self._profiles.person
         if person is not None:
             return f"those of the person at the machine, from {person.origin}"
-        if not self._surroundings.is_service:
-            return "this user's own"
-        return f"the machine's, {find_machine_folder()}"
+        machine = find_machine_folder()
+        if self._surroundings.is_service:
+            return f"the machine's, {machine}"
+        values = find_values(self._surroundings.player)
+        if values.is_relative_to(machine) and values.exists():
+            return f"the machine's, {values}, until this user saves values"
+        return "this user's own"
 
     def _press(self, chord: str) -> None:
         """Acts on a hotkey: panic, or pause and its end."""

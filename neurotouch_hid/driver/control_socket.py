@@ -18,7 +18,7 @@ from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver.admission import Guests, is_admitted
 from neurotouch_hid.errors import AlreadyRunningError, DriverError
 from neurotouch_hid.ipc import find_peer, listen_at, read_object
-from neurotouch_hid.players import find_socket
+from neurotouch_hid.players import PLAYERS, find_socket, list_runtime_folders, name_command
 from neurotouch_hid.status import Answer, Refusal
 
 MAX_CLIENTS: Final = 8
@@ -193,9 +193,12 @@ def _refuse_other_user() -> AlreadyRunningError:
 
 def _name_running(folder: Path) -> AlreadyRunningError:
     """Returns the error that names the process of the driver in a folder."""
+    players = map(int, PLAYERS)
+    player = next((n for n in players if folder in list_runtime_folders(n)), 1)
+    command = name_command(player)
     return AlreadyRunningError(
         f"The driver is already running (PID {read_pid(folder) or 'unknown'}).",
-        hint="Ask it: neurotouch status. End it: neurotouch stop",
+        hint=f"Ask it: {command} status. End it: {command} stop",
     )
 
 

@@ -259,13 +259,17 @@ class ProfileWatch:
             chosen = load()
             held = chosen.profile, chosen.user
             if only_if_changed and held == self._held:
-                return  # another file, or a comment: no reason to release anything
+                # Another file, a comment, or a mistake that is mended: nothing is released.
+                if self._control.forget_errors():
+                    self._announce(f"The profile '{held[0].name}' is in order again.")
+                return
             self._prepare(chosen.profile)
             self._control.switch(*held)
         except NeuroTouchError as error:
             self._control.note_error(error.message.split("\n", 1)[0])
             self._announce(f"The profile '{self._held[0].name}' goes on as it was: {error.message}")
             raise
+        self._control.forget_errors()
         self._held, self._name = held, chosen.name
         self._announce(f"The profile '{chosen.profile.name}' {what}.")
 

@@ -48,8 +48,10 @@ def suggest_reading(error: OSError, otherwise: str | None = None) -> str | None:
 
     Args:
         error: what the system, or ``read_bytes``, said.
-        otherwise: what to do where no right is missing.
+        otherwise: what to do where no right is missing, and it is not too large.
     """
+    if error.errno == errno.EFBIG:
+        return "Make it smaller: leave out what is not needed, such as comments."
     is_denied = error.errno in (errno.EACCES, errno.EPERM)
     return explain_missing_right(error, "read it") if is_denied else otherwise
 

@@ -189,7 +189,8 @@ def _check(plan: Plan) -> None:
         plan.height and math.degrees(math.asin(reach / plan.sphere)) > STEEPEST_DEG
     ):
         raise NeuroTouchError(
-            f"The dome is too steep: {plan.height:g} mm high over a radius of {plan.radius:g} mm.",
+            f"The dome is too steep: {plan.height:g} mm high over a radius of "
+            f"{plan.radius:.4g} mm.",
             hint=f"Set 'dome_height_mm' to {_find_highest(plan.radius, reach):.1f} or less.",
         )
     if plan.way != "evening" and _find_gap(plan.gel) < THINNEST_MM:

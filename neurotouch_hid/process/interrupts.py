@@ -11,10 +11,12 @@ from typing import Final
 EXIT_INTERRUPTED: Final = 130
 _COMMANDS: Final = "neurotouch_hid.cli"
 _IMPORT: Final = frozenset({"importlib", "_frozen_importlib"})
-_DELICATE: Final = _IMPORT | {"pydantic", "llvmlite", "weakref", "_weakrefset"}
+_POOL: Final = "concurrent.futures.process"
+_DELICATE: Final = _IMPORT | {"pydantic", "llvmlite", "weakref", "_weakrefset", _POOL}
 """Modules in which an exception may get lost. A library that is imported swallows it or stays half
-made. pydantic takes it for a fault of a schema. llvmlite prints a traceback while it tidies up. Of
-an exception in a weak reference's callback, as in ``__del__``, Python only prints a warning."""
+made. pydantic takes it for a fault of a schema. llvmlite prints a traceback while it tidies up. A
+pool whose threads and processes are just being started can no longer end them. Of an exception in a
+weak reference's callback, as in ``__del__``, Python only prints a warning."""
 _SOON_S: Final = 0.01
 
 
@@ -59,7 +61,10 @@ def _find_begin(frame: FrameType | None) -> tuple[str, str] | None:
     begin, delicate = None, ""
     while frame is not None:
         module: str = frame.f_globals.get("__name__") or "?"
-        if _find_package(module) in _DELICATE or frame.f_code.co_name == "__del__":
+        if (
+            not _DELICATE.isdisjoint((module, _find_package(module)))
+            or frame.f_code.co_name == "__del__"
+        ):
             delicate = module
         elif delicate:
             begin, delicate = (module, delicate), ""

@@ -108,6 +108,12 @@ class PipelineControl:
         """Keeps a sentence about an error for ``status``."""
         self._errors.append((time.time(), sentence))
 
+    def forget_errors(self) -> bool:
+        """Forgets the errors, because the files are in order; returns whether there were any."""
+        had_errors = bool(self._errors)
+        self._errors.clear()
+        return had_errors
+
     def status(self) -> PipelineStatus:
         """Returns the state of the pipeline, ready for JSON."""
         mapping, step = self._pipeline.mapping, self._step

@@ -2,12 +2,16 @@
 
 import time
 from collections.abc import Callable, Iterator
+from typing import Final
 
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source.partial import LEAD_US, cut_partial
 from neurotouch_hid.source.protocol import PictureSource, Source
 from neurotouch_hid.source.slice_pacer import SlicePacer
+
+STOPPED_NS: Final = 1_000_000_000
+"""A packet that took longer was not slow: the process was stopped, as by Ctrl-Z."""
 
 
 class PacedSource(Closing):
@@ -16,7 +20,8 @@ class PacedSource(Closing):
     The clock starts when the first packet is there; opening and compiling are not made up for. Each
     packet is handed out when as much host time has passed as sensor time up to its end. Every due
     time is counted from the start, so errors of single waits never add up, and a loop
-    that was late catches up. Sensor time that a source left out (a long silence) is not waited for.
+    that was late catches up. A process that was stopped goes on from there: gestures of minutes
+    would come all at once. Sensor time that a source left out (a long silence) is not waited for.
     Slices in which nothing happens come as one, and partial slices of others in advance, while
     ``set_activity`` allows it.
 
@@ -48,10 +53,14 @@ class PacedSource(Closing):
 
     def __iter__(self) -> Iterator[EventPacket]:
         start_ns: int | None = None
-        played_us = 0
+        played_us = begun_ns = 0
         for packet in self._join():
+            now_ns = self._clock_ns()
             if start_ns is None:
-                start_ns = self._clock_ns()
+                start_ns = now_ns
+            elif now_ns - begun_ns > STOPPED_NS:
+                start_ns += now_ns - begun_ns
+            begun_ns = now_ns
             played_us += packet.t_end_us - packet.t_begin_us
             self.due_ns = start_ns + played_us * 1000
             if self._pacer.takes_partials:

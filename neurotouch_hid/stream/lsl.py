@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from neurotouch_hid.errors import StreamError
+from neurotouch_hid.players import find_player
 from neurotouch_hid.stream.reading import Reading
 from neurotouch_hid.stream.sender import Sender
 from neurotouch_hid.subscriber import MOST_HZ
@@ -38,6 +39,7 @@ class LslOutlets(Sender):
 
     The first has numbers, see ``CHANNELS``. The second has the name of the gesture whenever that
     changes. With ``markers`` a third, ``neurotouch-markers``, has x and y of each marker in mm.
+    The names of player 2 begin with ``neurotouch-2``.
 
     Args:
         markers: whether the displacement of each marker is sent, too.
@@ -45,8 +47,6 @@ class LslOutlets(Sender):
     Raises:
         StreamError: pylsl or its library is missing.
     """
-
-    name = "LSL streams 'neurotouch' and 'neurotouch-gesture'"
 
     def __init__(self, *, markers: bool) -> None:
         try:
@@ -64,9 +64,10 @@ class LslOutlets(Sender):
         if "LSLAPICFG" not in os.environ and not any(each.exists() for each in _CONFIGS):
             pylsl.set_config_content("[log]\nlevel = -2\n")  # errors only
         self._pylsl, self._markers = pylsl, markers
-        info = pylsl.StreamInfo(
-            "neurotouch", "Touch", len(CHANNELS), pylsl.IRREGULAR_RATE, "float32", "neurotouch"
-        )
+        player = find_player()
+        self._stem = stem = "neurotouch" if player == 1 else f"neurotouch-{player}"
+        self.name = f"LSL streams '{stem}' and '{stem}-gesture'"
+        info = pylsl.StreamInfo(stem, "Touch", len(CHANNELS), pylsl.IRREGULAR_RATE, "float32", stem)
         channels = info.desc().append_child("channels")
         for label, unit in CHANNELS:
             channel = channels.append_child("channel")
@@ -76,12 +77,12 @@ class LslOutlets(Sender):
         self._numbers = pylsl.StreamOutlet(info)
         self._gestures = pylsl.StreamOutlet(
             pylsl.StreamInfo(
-                "neurotouch-gesture",
+                f"{stem}-gesture",
                 "Markers",
                 1,
                 pylsl.IRREGULAR_RATE,
                 "string",
-                "neurotouch-gesture",
+                f"{stem}-gesture",
             )
         )
         self._fields: pylsl.StreamOutlet | None = None
@@ -108,12 +109,12 @@ class LslOutlets(Sender):
             self._n_values = len(values)
             self._fields = self._pylsl.StreamOutlet(
                 self._pylsl.StreamInfo(
-                    "neurotouch-markers",
+                    f"{self._stem}-markers",
                     "Markers displacement",
                     len(values),
                     self._pylsl.IRREGULAR_RATE,
                     "float32",
-                    "neurotouch-markers",
+                    f"{self._stem}-markers",
                 )
             )
         self._fields.push_sample(values, now)

@@ -80,7 +80,7 @@ def test_the_next_step_can_be_typed_as_it_is_written(home):
     assert "--gel 'my own.yaml'" in output
 
 
-@pytest.mark.parametrize("name", ["12", "true", "null", "1e5", "-"])
+@pytest.mark.parametrize("name", ["12", "true", "null", "1e5", "no"])
 def test_a_name_that_yaml_takes_for_something_else_stays_a_name(home, name):
     assert run("new", "a.yaml", *ANSWERS, f"--name={name}")[1] == 0
     assert choose_gel(str(home / "a.yaml")).gel.name == name
@@ -93,6 +93,25 @@ def test_the_same_figures_as_json():
     assert figures["dots"] == PAPER_GEL.n_markers
     assert figures["px_per_mm"] == pytest.approx(2.5, abs=0.03)
     assert 0.55 < figures["fill"] < 0.61
+
+
+@pytest.mark.parametrize(
+    ("height_mm", "reason"),
+    [
+        (15, "The dome is too steep: 15 mm high over a radius of 7.341 mm."),
+        (0, "Two dots leave 0.20 mm of skin between them"),
+    ],
+)
+def test_a_gel_that_cannot_be_made_can_be_seen_with_the_reason(home, height_mm, reason):
+    layout = "layout: {kind: grid, columns: 10, rows: 8, pitch_mm: [1.2, 1.2]}\n"
+    (home / "odd.yaml").write_text(f"{layout}dome_height_mm: {height_mm}\n")
+    output, code = run("show", "odd.yaml", "--svg", "odd.svg")
+    assert code == 0, output
+    assert f"WARNING: This gel cannot be made. {reason}" in output
+    assert "Fix: Set " in output
+    assert (home / "odd.svg").read_text().startswith("<svg")
+    assert reason in json.loads(run("show", "odd.yaml", "--json")[0])["cannot_be_made"]
+    assert json.loads(run("show", "paper", "--json")[0])["cannot_be_made"] is None
 
 
 def test_a_width_that_was_calculated_is_rounded(home):
@@ -108,8 +127,8 @@ def test_a_width_that_was_calculated_is_rounded(home):
         (("new", "a.yaml", "--camera", "own", "--hand", "small", "--way", "cast"), 2, "--width"),
         (("new", "a.yaml", *ANSWERS, "--width", "640"), 2, "--camera own"),
         *(
-            (("new", "a.yaml", *ANSWERS, "--name", name), 2, "cannot be a part of a file's name")
-            for name in ("a b", "", "a\nb", "g\udce9l")
+            (("new", "a.yaml", *ANSWERS, f"--name={name}"), 2, "cannot be used")
+            for name in ("a b", "", "Ann", "-x", "a\nb", "g\udce9l")
         ),
         (("new", "none/a.yaml", *ANSWERS), 1, "'none/a.yaml' cannot be written"),
         (("show", "nothing.yaml"), 6, "nothing.yaml"),

@@ -7,9 +7,15 @@ from pathlib import Path
 
 import pytest
 
+from neurotouch_hid import client
 from neurotouch_hid.cli.shared.send_without_click import send_command
+from neurotouch_hid.cli.shared.silent_driver import open_silent_driver
+from neurotouch_hid.cli.ui.welcome import welcome
+from neurotouch_hid.client import ask
 from neurotouch_hid.driver.control_socket import ControlSocket
+from neurotouch_hid.errors import DriverError, NotRunningError
 from neurotouch_hid.players import find_runtime_folder
+from neurotouch_hid.profile.editing import hand_over_saved
 from tests.processes import PROGRAM, make_environment, run_neurotouch
 from tests.waiting import wait_until
 
@@ -82,6 +88,84 @@ def test_there_is_no_fifth_player(players):
 def test_nobody_takes_the_place_of_a_player_who_plays(players):
     done = players.call("run", "--source", "sim:rest", "--device", "memory", "--player", "2")
     assert done.returncode == 75
+    only = "NEUROTOUCH_PLAYER=2 neurotouch"
+    assert f"Fix: Ask it: {only} status. End it: {only} stop" in done.stderr
+    first = players.call("run", "--source", "sim:rest", "--device", "memory")
+    assert "End it: NEUROTOUCH_PLAYER=1 neurotouch stop" in first.stderr
+
+
+def test_a_demo_is_that_of_the_environments_player(players):
+    done = players.call("demo", "--seconds", "1", "--no-page", player="2")
+    assert (done.returncode, "NEUROTOUCH_PLAYER=2 neurotouch stop" in done.stderr) == (75, True)
+    done = players.call("demo", "--seconds", "1", "--no-page", player="3")
+    assert done.returncode == 0, done.stderr
+
+
+def test_who_is_measured_is_the_environments_player(tmp_path, monkeypatch):
+    monkeypatch.setenv("NEUROTOUCH_PLAYER", "2")
+    assert open_silent_driver("sim:push").options.player == 2
+
+
+@pytest.fixture
+def second(tmp_path, monkeypatch):
+    """Only player 2 plays; the list has the commands that reach that driver."""
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    heard = []
+
+    def answer(question, _user):
+        heard.append(question["command"])
+        return {"ok": True, "text": "Done.", "profile": "racing"}
+
+    with ControlSocket(find_runtime_folder(2)) as control:
+        control.serve(answer)
+        yield heard
+
+
+def test_a_player_who_does_not_play_is_told_who_does(second, monkeypatch):
+    with pytest.raises(NotRunningError) as caught:
+        ask("status")
+    assert caught.value.hint == (
+        "The driver of player 2 runs. For this one: NEUROTOUCH_PLAYER=2 neurotouch COMMAND"
+    )
+    monkeypatch.setenv("NEUROTOUCH_PLAYER", "2")
+    assert ask("status")["ok"]
+
+
+def test_the_welcome_knows_drivers_that_it_cannot_describe(second, capsys, monkeypatch):
+    welcome()
+    assert "The driver of player 2 runs. For this one: " in capsys.readouterr().out
+    monkeypatch.setattr(client, "ask_status", _refuse)
+    welcome()
+    said = "The driver does not answer.\nFix: Try again in a moment.\n"
+    assert capsys.readouterr().out == f"{said}All commands: neurotouch --help\n"
+
+
+def _refuse():
+    raise DriverError("The driver does not answer.", hint="Try again in a moment.")
+
+
+def test_an_order_names_the_only_player_it_has_reached(second, capsys, monkeypatch):
+    assert send_command("pause") == 0
+    assert capsys.readouterr().out == "Player 2: Done.\n"
+    monkeypatch.setenv("NEUROTOUCH_PLAYER", "2")
+    assert send_command("pause") == 0
+    assert capsys.readouterr().out == "Your driver: Done.\n"
+
+
+def test_a_wrong_variable_stops_no_panic(second, capsys, monkeypatch):
+    monkeypatch.setenv("NEUROTOUCH_PLAYER", "two")
+    assert send_command("panic") == 0
+    assert second == ["panic"]
+    assert send_command("resume") == 8
+    assert "Fix: For the first player: unset NEUROTOUCH_PLAYER" in capsys.readouterr().err
+
+
+def test_own_values_are_not_said_to_play_with_another_player(second):
+    """Each player has a file of them; profiles are for all."""
+    assert hand_over_saved("user").text == "No driver is running; it applies from the next start."
+    assert second == []
+    assert hand_over_saved("racing").text == "It applies now."
+    assert second == ["settings"]
 
 
 @pytest.mark.parametrize("given", ["/run/neurotouch", "/run/neurotouch-2"])

@@ -644,6 +644,26 @@ def test_filters_are_told_beside_their_design_and_the_cost_of_a_profile():
     assert "(28) % at 5 Hz" in output
 
 
+def test_what_is_for_all_on_the_machine_is_not_called_ones_own(home, tmp_path, monkeypatch):
+    machine = tmp_path / "machine"
+    (machine / "profiles").mkdir(parents=True)
+    monkeypatch.setenv("CONFIGURATION_DIRECTORY", str(machine))
+    words = "version: 1\nname: room\nbindings: [{when: pinch, do: {button: a}}]\n"
+    (machine / "profiles/room.yaml").write_text(words)
+    (machine / "user.yaml").write_text("version: 1\nfilter: strong\n")
+    run("profile", "new", "mine")
+    assert "room, for all: " in run("profile", "list")[0]
+    own = {row["name"] for row in json.loads(run("profile", "list", "--json")[0]) if row["own"]}
+    assert own == {"mine"}
+    output, _ = run("profile", "set", "room", "pinch.on_mm", "4")
+    assert "This is your own copy; the original stays as it is." in output
+    assert "room, yours: " in run("profile", "list")[0]
+    output, _ = run("profile", "show", "user")
+    assert f"not there yet\nuntil then, the machine's: {machine}/user.yaml\n" in output
+    run("profile", "set", "user", "timing", "slow")
+    assert "machine" not in run("profile", "show", "user")[0]
+
+
 def test_a_persons_own_values_are_changed_like_a_profile(home):
     assert run("profile", "set", "user", "filter", "strong")[1] == 0
     assert run("profile", "set", "user", "feedback.sound", "tones")[1] == 0

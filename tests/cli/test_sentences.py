@@ -20,7 +20,9 @@ from neurotouch_hid.cli.profile.looking import list_command, show
 from neurotouch_hid.cli.run import command as run
 from neurotouch_hid.cli.status import command as status
 from neurotouch_hid.cli.ui.keyboard import Keyboard
+from neurotouch_hid.cli.ui.options import PlainName
 from neurotouch_hid.cli.ui.output import choose
+from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.device.inputs import discovery
 from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.errors import (
@@ -60,7 +62,7 @@ def test_taken_port_is_named():
 
 @pytest.mark.parametrize(
     ("wrong", "near"),
-    [("My Game", "my-game"), ("Jeu d'été!", "jeu-d-ete"), ("RACING", "racing")],
+    [("My Game", "my-game"), ("Jeu d'été!", "jeu-d-ete"), ("RACING", "racing"), ("-x", "x")],
 )
 def test_wrong_name_of_a_profile_gets_a_name_that_can_be_used(wrong, near):
     with pytest.raises(ProfileError) as caught:
@@ -74,6 +76,12 @@ def test_name_that_resembles_none_gets_the_rule_alone(wrong):
     with pytest.raises(ProfileError) as caught:
         find_own_path(wrong)
     assert caught.value.hint.startswith("A name has 1 to 64 letters from a to z")
+
+
+def test_capital_letters_of_a_persons_name_are_no_riddle():
+    with pytest.raises(WrongUsage) as caught:
+        PlainName().convert("Ann", None, None)
+    assert caught.value.hint.startswith("Try: ann. It becomes a part of a file's name: ")
 
 
 def test_sim_without_a_scene_asks_for_one():

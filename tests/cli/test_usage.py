@@ -1,5 +1,6 @@
 """Every command of the tree with a wrong command line: one form of answer, ours, never click's."""
 
+import errno
 import json
 import re
 import sys
@@ -363,9 +364,37 @@ def test_wrong_usage_is_json_where_a_program_reads_json(line, message):
     assert answer["fix"]
 
 
-def test_file_that_cannot_be_used_is_named_in_a_sentence(monkeypatch, capsys):
+@pytest.mark.parametrize(
+    ("error", "said"),
+    [
+        (
+            FileNotFoundError(2, "No such file or directory", "gone/x"),
+            "Error: The file 'gone/x' cannot be used: No such file or directory.\n"
+            "Fix: Make the folder, or choose another.\n",
+        ),
+        (
+            OSError(errno.EMFILE, "Too many open files", "/proc/self/task"),
+            "Error: Too many files are open.\nFix: Allow more, then try again: ulimit -n 1024\n",
+        ),
+        (
+            OSError(errno.ENOSPC, "No space left on device"),
+            "Error: The output cannot be written: No space left on device.\n",
+        ),
+        (
+            OSError(errno.EINVAL, "Invalid argument"),
+            "Error: The system refuses a call: Invalid argument.\n"
+            "Fix: Find out more: neurotouch doctor\n",
+        ),
+        (
+            RuntimeError("can't start new thread"),
+            "Error: No thread can be started: too little memory, or too many processes.\n"
+            "Fix: Close other programs, then try again.\n",
+        ),
+    ],
+)
+def test_what_the_system_refuses_is_a_sentence(monkeypatch, capsys, error, said):
     def fail(*_):
-        raise FileNotFoundError(2, "No such file or directory", "gone/x")
+        raise error
 
     monkeypatch.setattr(command_line, "handle_interrupts", lambda: None)
     monkeypatch.setattr(command_line.cli, "make_context", fail)
@@ -373,6 +402,4 @@ def test_file_that_cannot_be_used_is_named_in_a_sentence(monkeypatch, capsys):
     with pytest.raises(SystemExit):
         command_line.main()
     sys.stdout = stdout
-    said = "Error: The file 'gone/x' cannot be used: No such file or directory.\n"
-    fix = "Fix: Make the folder, or choose another.\n"
-    assert capsys.readouterr().err == said + fix
+    assert capsys.readouterr().err == said

@@ -1,6 +1,8 @@
 """What belongs to the person."""
 
 import datetime
+import os
+from types import SimpleNamespace
 
 import pytest
 
@@ -39,6 +41,23 @@ def test_a_profile_with_a_fault_is_told_with_its_place(config):
     (finding,) = examine([Check("profiles", person.check_profiles)])
     assert finding.status is CheckStatus.FAILED
     assert "mine.yaml:3:1" in finding.sentence
+
+
+@pytest.mark.parametrize(
+    ("flags", "fix"),
+    [(0, "Get the right to write there."), (os.ST_RDONLY, "This disk is read-only")],
+)
+def test_a_folder_that_cannot_be_written_has_a_fix_that_harms_nothing(
+    config, monkeypatch, flags, fix
+):
+    """Where no folder is there yet, the nearest one may be that of the whole system."""
+    monkeypatch.setenv("XDG_CONFIG_HOME", "/nowhere/at/all")
+    monkeypatch.setattr(os, "access", lambda *_: False)  # root may write everywhere
+    monkeypatch.setattr(os, "statvfs", lambda _: SimpleNamespace(f_flag=flags))
+    finding = person.check_profiles()
+    assert "but / cannot be written" in finding.sentence
+    assert finding.fix.startswith(fix)
+    assert "chown" not in finding.fix
 
 
 def test_a_favourite_that_is_gone(config):

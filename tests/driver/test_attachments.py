@@ -78,6 +78,15 @@ def test_a_service_plays_no_sound_and_reads_no_keyboard(make, socket, tmp_path):
     assert status["keyboard"].startswith("the service may not read keyboards")
 
 
+def test_status_says_whose_values_apply(make, socket, tmp_path, monkeypatch):
+    monkeypatch.setenv("CONFIGURATION_DIRECTORY", str(tmp_path))
+    with make(socket):
+        assert ask_status()["settings"] == "this user's own"
+        values = tmp_path / "user.yaml"
+        values.write_text("version: 1\n")
+        assert ask_status()["settings"] == f"the machine's, {values}, until this user saves values"
+
+
 def test_status_says_why_nothing_comes_from_the_source(make, socket):
     with make(socket) as made:
         assert ask_status()["source"] == "sim:rest"

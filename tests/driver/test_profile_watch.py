@@ -167,6 +167,18 @@ def test_spoiled_file_keeps_the_old_profile_and_says_why_once(driver, file, spoi
     driver.until(lambda: driver.buttons == {"x"})
 
 
+@pytest.mark.parametrize("mended", ["a", "x"])
+def test_mended_mistake_is_taken_back(driver, file, mended):
+    file.write_text(text("bb"))
+    driver.until(lambda: driver.said)
+    file.write_text(text(mended))
+    driver.until(lambda: len(driver.said) == 2)
+    how = "is in order again" if mended == "a" else "has been reloaded"
+    assert driver.said[1] == f"The profile 'mine' {how}."
+    driver.until(lambda: driver.buttons == {mended})
+    assert driver.control.status()["errors"] == []
+
+
 def test_folder_that_cannot_be_looked_into_keeps_the_old_profile_and_says_why(driver, config):
     """As in a home on another machine that does not answer."""
     away = config.with_name("away")

@@ -48,6 +48,26 @@ except SystemExit:
 """
 
 
+POOL = """
+import os, signal, time
+from {module} import {owner}
+from neurotouch_hid.process.interrupts import handle_interrupts
+from neurotouch_hid.process.own_pool import open_pool
+handle_interrupts()
+real = {owner}.{name}
+def interrupted(*arguments):
+    os.kill(os.getpid(), signal.SIGTERM)
+    return real(*arguments)
+{owner}.{name} = interrupted
+try:
+    with open_pool(1) as pool:
+        pool.submit(abs, -1)
+        time.sleep(60)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
 @pytest.fixture
 def python(tmp_path):
     """Runs Python with what lies in ``tmp_path`` before everything else."""
@@ -93,6 +113,19 @@ def test_while_a_command_imports_the_process_just_ends(python, tmp_path, name):
 def test_elsewhere_it_waits_until_nobody_can_swallow_it(python, tmp_path, name, code, module):
     (tmp_path / "swallowing.py").write_text(SWALLOWING.format(name=name))
     done = python("-c", LOADING.format(code=code, module=module))
+    assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")
+
+
+@pytest.mark.parametrize(
+    ("module", "owner", "name"),
+    [
+        ("multiprocessing", "forkserver", "read_signed"),
+        ("concurrent.futures.process", "_ExecutorManagerThread", "start"),
+    ],
+)
+def test_what_a_pool_is_just_starting_is_ended_too(python, module, owner, name):
+    """A process that was forgotten would find nothing of its pool, and print a traceback."""
+    done = python("-c", POOL.format(module=module, owner=owner, name=name))
     assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")
 
 

@@ -117,7 +117,8 @@ def test_warnings(text: str, expected: list[str]) -> None:
             "4:13: error[NT116]: bindings[0].when.sequence: needs at least 2 entries",
         ),
         (one("when: pinch, do: {button: a}", "extends: [../x]\n"),
-         "3:11: error[NT118]: extends[0]: needs 1 to 64 small letters, digits, _ or -"),
+         "3:11: error[NT118]: extends[0]: needs 1 to 64 small letters, digits, _ or -, "
+         "and no - in front"),
         (one("when: pinch, do: {button: a}", "extends: [nobody]\n"),
          "3:11: error[NT130]: extends[0]: no profile is called 'nobody'"),
         (one("when: pinch, do: {button: a}", "timing: fast\n"),

@@ -8,6 +8,7 @@ import pytest
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.files.small_file import MAX_SETTINGS_BYTES
+from neurotouch_hid.profile.editing.edited_file import read_text
 from neurotouch_hid.profile.reading.load import load_profile, parse_profile
 
 CODE = re.compile(r": error\[NT1\d\d\]: ")
@@ -108,7 +109,7 @@ MISTAKES = [
     (
         "version: 1\nname: §X!\nbindings: §3\n",
         [
-            "name: needs 1 to 64 small letters, digits, _ or -",
+            "name: needs 1 to 64 small letters, digits, _ or -, and no - in front",
             "bindings: needs a list, not 3",
         ],
     ),
@@ -303,8 +304,10 @@ def test_the_size_is_looked_at_first(tmp_path) -> None:
     comment = b"#" * (MAX_SETTINGS_BYTES - len(binding()) - 1) + b"\n"
     parse_profile(comment + binding().encode(), "p.yaml")
     (tmp_path / "large.yaml").write_bytes(b" " * (1 << 20))
-    with pytest.raises(ProfileError, match="larger than 64 kB"):
-        load_profile(tmp_path / "large.yaml")
+    for read in (load_profile, read_text):
+        with pytest.raises(ProfileError, match="larger than 64 kB") as caught:
+            read(tmp_path / "large.yaml")
+        assert caught.value.hint.startswith("Make it smaller")
 
 
 def test_many_mistakes_are_counted_not_poured_out() -> None:

@@ -1,9 +1,10 @@
 """Recorded speed: never early, no drift, late loops catch up."""
 
 import numpy as np
+import pytest
 
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket
-from neurotouch_hid.source.pacing import PacedSource
+from neurotouch_hid.source.pacing import STOPPED_NS, PacedSource
 from neurotouch_hid.source.partial import LEAD_US, SHORTEST_US
 
 NO_EVENTS = np.empty(0, EVENT_DTYPE)
@@ -56,6 +57,24 @@ def test_a_late_loop_catches_up():
         if i == 1:
             clock.now_ns += 40_000_000
     assert arrivals == [10, 20, 60, 60, 60, 60, 70, 80, 90, 100]
+
+
+@pytest.mark.parametrize("where", ["in the loop", "while it waits"])
+def test_a_process_that_was_stopped_goes_on_at_recorded_speed(where):
+    clock, arrivals = Clock(), []
+
+    def wait(seconds):
+        clock.sleep_s(seconds)
+        if where == "while it waits" and len(arrivals) == 2:
+            clock.now_ns += 60 * STOPPED_NS
+
+    for i, _ in enumerate(PacedSource(Packets(), clock, wait)):
+        arrivals.append((clock() - 77) // 1_000_000)
+        if where == "in the loop" and i == 1:
+            clock.now_ns += 60 * STOPPED_NS
+    played = np.diff(arrivals)
+    assert played.max() >= 60_000
+    assert np.sort(played)[:8].min() >= 9
 
 
 def test_closing_closes_the_source():

@@ -229,6 +229,16 @@ def test_lsl_has_all_of_a_state():
     assert at == stamp
 
 
+def test_lsl_streams_of_another_player_have_names_of_their_own(monkeypatch):
+    monkeypatch.setenv("NEUROTOUCH_PLAYER", "2")
+    with open_target(Address("lsl"), markers=True) as target:
+        target.send(PINCH)
+        assert target.name == "LSL streams 'neurotouch-2' and 'neurotouch-2-gesture'"
+        for name in ("neurotouch-2", "neurotouch-2-gesture", "neurotouch-2-markers"):
+            (info,) = pylsl.resolve_byprop("source_id", name, 1, LIMIT_S)
+            assert info.name() == name
+
+
 @pytest.mark.parametrize(("kind", "module"), [("osc", "pythonosc"), ("lsl", "pylsl")])
 def test_a_missing_library_is_named_with_the_command_that_installs_it(monkeypatch, kind, module):
     monkeypatch.setitem(sys.modules, module, None)

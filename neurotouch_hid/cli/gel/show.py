@@ -7,6 +7,7 @@ import numpy as np
 
 from neurotouch_hid.cli.ui.options import OutFile, complete_gel
 from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_json, save_text
+from neurotouch_hid.errors import NeuroTouchError
 
 _COLUMNS, _ROWS = 61, 31
 
@@ -29,7 +30,12 @@ def command(file: str | None, svg: Path | None, plain: bool, as_json: bool) -> N
     from neurotouch_hid.gel_making.plan import make_plan
 
     gel_file = load_gel_file(find_gel_file(file))
-    plan = make_plan(gel_file.settings)
+    plan = make_plan(gel_file.settings, is_made=True)
+    fault = None
+    try:
+        make_plan(gel_file.settings)
+    except NeuroTouchError as error:
+        fault = error
     if svg is not None:
         save_text(svg, draw_cut(plan).write_svg())
     gel, camera = plan.gel, plan.camera
@@ -50,6 +56,7 @@ def command(file: str | None, svg: Path | None, plain: bool, as_json: bool) -> N
         "fill": round(plan.measure_fill(), 3),
         "body_mm": round(-plan.bottom_z, 1),
         "reflections_mm": plan.find_reflections(),
+        "cannot_be_made": fault and fault.message,
     }
     if as_json:
         print_json(facts)
@@ -69,6 +76,9 @@ def command(file: str | None, svg: Path | None, plain: bool, as_json: bool) -> N
     echo(f"The gel fills {100 * plan.measure_fill():.0f} % of the picture's height.")
     if places := ", ".join(f"{each:g}" for each in plan.find_reflections()):
         echo(f"A shiny skin would mirror the LEDs {places} mm from the middle: make it dull.")
+    if fault is not None:
+        echo(f"WARNING: This gel cannot be made. {fault.message}")
+        echo(f"Fix: {fault.hint}")
     if svg is not None:
         echo(f"The drawing is {svg}.")
 

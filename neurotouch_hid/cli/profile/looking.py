@@ -3,6 +3,7 @@
 import shlex
 import shutil
 import textwrap
+from pathlib import Path
 
 import click
 
@@ -19,9 +20,9 @@ from neurotouch_hid.cli.ui.output import echo, json_option, plain_option, print_
 def list_command(as_json: bool, plain: bool) -> None:
     """Print every profile: yours and those shipped."""
     from neurotouch_hid.profile import list_profiles, load_user
-    from neurotouch_hid.profile.reading import check_listed, find_shipped_folder
+    from neurotouch_hid.profile.reading import check_listed, find_shipped_folder, find_user_folder
 
-    shipped = find_shipped_folder()
+    places = {find_user_folder(): "yours", find_shipped_folder(): "shipped"}
     favourites = load_user().slots
     rows = []
     for name, path in list_profiles().items():
@@ -30,7 +31,7 @@ def list_command(as_json: bool, plain: bool) -> None:
             {
                 "name": name,
                 "path": str(path),
-                "own": path.parent != shipped,
+                "own": path.parent in places and places[path.parent] == "yours",
                 "status": "FAILED" if checked.written is None else "OK",
                 "in_use": name == favourites[0],
                 "description": checked.written.description if checked.written else "",
@@ -40,7 +41,8 @@ def list_command(as_json: bool, plain: bool) -> None:
         print_json(rows)
         return
     for row in rows:
-        notes = ["yours" if row["own"] else "shipped"] + (["in use"] if row["in_use"] else [])
+        place = places.get(Path(str(row["path"])).parent, "for all")  # as the machine's are
+        notes = [place, *(["in use"] if row["in_use"] else [])]
         said = " ".join(str(row["description"]).split())
         if row["status"] != "OK":
             said = f"it has errors, see: neurotouch profile check {row['name']}"
@@ -108,12 +110,15 @@ def _show_values(*, as_json: bool) -> None:
     from neurotouch_hid.players import find_user_file
     from neurotouch_hid.profile import load_user
     from neurotouch_hid.profile.editing import format_value
+    from neurotouch_hid.profile.reading import find_values
 
-    path = find_user_file()
+    path, applied = find_user_file(), find_values()
     values = load_user().model_dump(mode="json", exclude_none=True)
     if as_json:
         print_json({"file": str(path), "user": values})
         return
     echo(f"file: {path}{'' if path.exists() else ', not there yet'}")
+    if applied != path and applied.exists():
+        echo(f"until then, the machine's: {applied}")
     for key, value in values.items():
         echo(f"{key}: {format_value(value)}")

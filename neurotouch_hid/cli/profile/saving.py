@@ -113,7 +113,7 @@ def save_edited(
         sys.exit(error.exit_code)
     effect = hand_over_saved(edited.name)
     if edited.shipped:
-        notes = ("This is your own copy; the shipped profile stays as it is.", *notes)
+        notes = ("This is your own copy; the original stays as it is.", *notes)
     if not as_json:  # what a person has read before is not read out with every change
         new = _find_new(edited, checked)
         notes += _count_older(len(checked.faults) - len(new), edited)

@@ -25,11 +25,13 @@ def open_silent_driver(
 
     check_source(source)
     from neurotouch_hid.driver import Driver, DriverOptions
+    from neurotouch_hid.players import find_player
 
     options = DriverOptions(
         source=source,
         profile=profile,
         device="memory",
+        player=find_player(),
         speed=speed,
         method=method,
         seed=seed,

@@ -8,7 +8,7 @@ import click
 from click.shell_completion import CompletionItem
 
 from neurotouch_hid.errors import NeuroTouchError
-from neurotouch_hid.vocabulary import RECORDING_ENDINGS
+from neurotouch_hid.vocabulary import RECORDING_ENDINGS, RUNNING_DRIVER
 
 _KINDS: Final = ("davis", "video", "events", "driver")
 
@@ -44,6 +44,12 @@ def complete_source(_ctx: click.Context, _param: click.Parameter, incomplete: st
     found += [f"sim:{name}" for name in scene_names()]
     found += [f"file:{each}" for each in _list_recordings(path)]
     return [each for each in found if each.startswith(incomplete)]
+
+
+def complete_own_source(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    """Completes the sources that a command opens itself: the running driver is none."""
+    found = complete_source(ctx, param, incomplete)
+    return [each for each in found if each != RUNNING_DRIVER]
 
 
 def _list_recordings(start: str) -> list[str]:

@@ -82,9 +82,14 @@ class PlainName(click.ParamType):  # type: ignore[type-arg]  # generic from clic
         import re
 
         if not re.fullmatch(NAME_PATTERN, value):
+            from neurotouch_hid.profile.reading.library import propose_name
+
+            near = propose_name(value)
             raise WrongUsage(
-                f"'{value}' cannot be a part of a file's name.",
-                hint="Use at most 64 of a to z, digits, - and _.",
+                f"The name '{value}' cannot be used.",
+                hint=(f"Try: {near}. " if near else "")
+                + "It becomes a part of a file's name: at most 64 small letters, digits, _ or -, "
+                "and no - in front.",
             )
         return value
 

@@ -15,12 +15,18 @@ _STATES = {"running": "runs", "paused": "is paused", "panic": "is stopped by pan
 def welcome() -> None:
     """Prints the present state and the next step in a few lines; changes nothing."""
     from neurotouch_hid import client as driver
-    from neurotouch_hid.errors import DriverError
+    from neurotouch_hid.errors import DriverError, NotRunningError
+    from neurotouch_hid.players import explain_start
 
     try:
         _describe_driver(driver.ask_status())
-    except DriverError:
+    except NotRunningError as error:
         echo(_advise())
+        if error.hint != explain_start():  # another player's driver runs
+            echo(error.hint or "")
+    except DriverError as error:  # there is one: to start another is no advice
+        echo(error.message)
+        echo(f"Fix: {error.hint}" if error.hint else "Next: neurotouch doctor")
     echo("All commands: neurotouch --help")
 
 

@@ -80,7 +80,8 @@ CODES: Final[dict[str, Explanation]] = {
     ),
     "NT118": Explanation(
         "not a name",
-        "Names are 1 to 64 small letters, digits, _ or -. They are never paths, so that a profile "
+        "Names are 1 to 64 small letters, digits, _ or -, and - is not the first. They are never "
+        "paths, so that a profile "
         "can only be built on profiles you have installed.",
     ),
     "NT119": Explanation(

@@ -142,7 +142,7 @@ def _word(detail: Mapping[str, Any], keys: Keys, node: Node | None) -> tuple[str
         case "finite_number":
             sentence = f"needs a finite number, not {value}"
         case "string_pattern_mismatch":
-            sentence = "needs 1 to 64 small letters, digits, _ or -"
+            sentence = "needs 1 to 64 small letters, digits, _ or -, and no - in front"
             if context["pattern"] != NAME_PATTERN:
                 sentence = f"{value} is empty, too long, or has a sign that is not possible here"
         case "string_too_long":

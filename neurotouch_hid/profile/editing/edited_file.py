@@ -193,7 +193,8 @@ def find_own_path(name: str) -> Path:
         raise ProfileError(
             f"A profile cannot be called '{make_printable(name[:80])}'.",
             hint=(f"Try: {near}. " if near and "/" not in name else "")
-            + "A name has 1 to 64 letters from a to z, digits, _ or -; it is never a path.",
+            + "A name has 1 to 64 letters from a to z, digits, _ or -, and no - in front; it is "
+            "never a path.",
         )
     if name == OWN_VALUES:
         raise ProfileError(

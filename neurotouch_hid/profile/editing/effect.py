@@ -6,6 +6,7 @@ from typing import Literal
 
 from neurotouch_hid.errors import ProfileError
 from neurotouch_hid.handover import hand_over
+from neurotouch_hid.players import find_player
 from neurotouch_hid.profile.editing.edited_file import EditedFile
 from neurotouch_hid.profile.reading.library import OWN_VALUES
 from neurotouch_hid.profile.reading.load import check_profile, load_user
@@ -42,7 +43,7 @@ def hand_over_saved(name: str) -> SavedEffect:
     Args:
         name: the profile, or ``user`` for the person's own values.
     """
-    done = hand_over()
+    done = hand_over(find_player() if name == OWN_VALUES else None)
     if done.status == "refused":
         return SavedEffect("WARNING", done.text, done.fix)
     if name == OWN_VALUES:

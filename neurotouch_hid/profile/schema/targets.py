@@ -9,7 +9,7 @@ from neurotouch_hid.profile.schema.keyboard_keys import parse_chord
 from neurotouch_hid.profile.schema.shaping import Linear, Planar
 from neurotouch_hid.profile.schema.strict import Strict, find_tag, give_unit, make_optional
 from neurotouch_hid.profile.schema.timing import Ms
-from neurotouch_hid.vocabulary import Button
+from neurotouch_hid.vocabulary import NAME_PATTERN, Button
 
 Side = Literal["left", "right"]
 StickAxis = Literal["left_x", "left_y", "right_x", "right_y"]
@@ -18,7 +18,7 @@ MouseButton = Literal["left", "right", "middle", "back", "forward"]
 ModeName = Literal["hold", "toggle", "sticky", "oneshot", "turbo"]
 CommandName = Literal["pause", "panic", "rezero", "next_profile"]
 
-LAYER_PATTERN: Final = r"^[a-z0-9_-]{1,64}$"
+LAYER_PATTERN: Final = NAME_PATTERN
 
 
 class Repeat(Strict):

@@ -1,9 +1,15 @@
-"""Completes in bash what click's own class does not."""
+"""Completes in the shells what click's own classes do not."""
 
 import os
 import re
 
-from click.shell_completion import BashComplete, CompletionItem, split_arg_string
+from click.shell_completion import (
+    BashComplete,
+    CompletionItem,
+    FishComplete,
+    ZshComplete,
+    split_arg_string,
+)
 
 _BREAKS = frozenset(":=")
 
@@ -41,6 +47,42 @@ class Bash(BashComplete):
         found = super().get_completions(args, incomplete)
         names = [item.value[self._n_kept :] for item in found if item.type == "plain"]
         return [CompletionItem(_quote(name)) for name in names] or found
+
+
+class Zsh(ZshComplete):
+    """Zsh, which replaces the whole word: with a value alone, ``--profile=`` would be lost."""
+
+    # Files are completed by zsh itself, which must not look for one called ``--gel=``.
+    source_template = ZshComplete.source_template.replace(
+        "            _path_files -f", "            compset -P 1 '--*='\n            _path_files -f"
+    )
+
+    def get_completions(self, args: list[str], incomplete: str) -> list[CompletionItem]:
+        """Returns what zsh can offer, each as a whole word."""
+        found = super().get_completions(args, incomplete)
+        option, equals, _ = incomplete.partition("=")
+        if equals and option.startswith("--"):
+            for item in found:
+                item.value = option + equals + item.value
+        return found
+
+
+class Fish(FishComplete):
+    """Fish, which takes only what begins as the word does, so the option goes before each value."""
+
+    source_template = (
+        FishComplete.source_template.replace(
+            "    for completion",
+            "    set -l option (string match -r -- '^--[^=]+=' (commandline -ct));\n"
+            "    for completion",
+            1,
+        )
+        .replace("echo $metadata[2]", 'echo "$option$metadata[2]"')
+        .replace(
+            "__fish_complete_path $metadata[2]",
+            'printf "$option%%s\\n" (__fish_complete_path $metadata[2])',
+        )
+    )
 
 
 def _quote(name: str) -> str:
