@@ -53,7 +53,7 @@ class Targets(NamedTuple):
 def list_markers(targets: Targets) -> None:
     """Enters every marker into the tiles whose events may belong to it.
 
-    Only markers that have left their tiles are entered anew. Each tile lists them in their order.
+    Only markers that have left their tiles are entered again. Each tile lists them in their order.
 
     Args:
         targets: ``aim_px`` is read, all else is updated.
