@@ -98,6 +98,22 @@ def test_the_lists_contain_every_marker_near_an_event(seed):
             assert find_nearest(x, y, on, 3.5, tracks) == twin
 
 
+@given(st.integers(0, 2**32 - 1), st.floats(0.0, 0.2))
+@settings(max_examples=20, deadline=None)
+def test_lists_of_markers_that_move_are_those_made_from_nothing(seed, pull):
+    """Also in a crowd of more markers than a list has places."""
+    rng = np.random.default_rng(seed)
+    at_px, tracks = rng.uniform(-20, 370, (177, 2)), make_tracks(REST_PX)
+    for k in range(20):
+        at_px += pull * (100.0 - at_px) * (1 if k < 10 else -1) + rng.normal(0.0, 1.0, (177, 2))
+        put(tracks, range(177), at_px)
+        moved, fresh = tracks.targets, make_tracks(at_px).targets
+        np.testing.assert_array_equal(moved.n_near, fresh.n_near)
+        for tile in np.flatnonzero(moved.n_near):
+            n = moved.n_near[tile]
+            np.testing.assert_array_equal(moved.near[:n, tile], fresh.near[:n, tile])
+
+
 @given(st.integers(0, 2**32 - 1), st.floats(0.2, 1.0))
 @settings(max_examples=20, deadline=None)
 def test_expectation_is_the_median_of_the_neighbours(seed, share):

@@ -4,7 +4,7 @@ The expected places of events do not change between two checks. So no event has 
 before it, and the processor takes several at once.
 """
 
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,12 +53,14 @@ class Targets(NamedTuple):
 def list_markers(targets: Targets) -> None:
     """Enters every marker into the tiles whose events may belong to it.
 
+    Only markers that have left their tiles are entered again. Each tile lists them in their order.
+
     Args:
         targets: ``aim_px`` is read, all else is updated.
     """
     aim_px, near, n_near, listed = targets
     margin = BORDER * TILE_PX
-    is_same = True
+    is_full = False
     for i in range(len(aim_px)):
         x = 0.5 * (aim_px[i, 1, 0] + aim_px[i, 0, 0]) + margin
         y = 0.5 * (aim_px[i, 1, 1] + aim_px[i, 0, 1]) + margin
@@ -67,25 +69,58 @@ def list_markers(targets: Targets) -> None:
         n_columns = min(int((x + REACH_PX) / TILE_PX) - left + 1, SPAN)
         n_rows = min(int((y + REACH_PX) / TILE_PX) - top + 1, SPAN)
         place = listed[i]
-        is_same &= (
+        is_same = (
             (place.top == top)
             & (place.left == left)
             & (place.n_rows == n_rows)
             & (place.n_columns == n_columns)
         )
+        if is_same:
+            continue
+        is_full |= _leave(i, place, near, n_near)
         place.top, place.left, place.n_rows, place.n_columns = top, left, n_rows, n_columns
-    if is_same:
-        return
-    n_near[:] = 0
-    for i in range(len(aim_px)):
-        place = listed[i]
-        for row in range(place.top, place.top + place.n_rows):
-            for column in range(place.left, place.left + place.n_columns):
-                tile = np.uint64(row * COLUMNS + column)
-                k = np.uint64(n_near[tile])
-                if k < np.uint64(CAPACITY):
-                    near[k, tile] = i
-                    n_near[tile] = k + np.uint64(1)
+        is_full |= _enter(i, place, near, n_near)
+    if is_full:  # a full tile does not know which markers found no place in it
+        n_near[:] = 0
+        for i in range(len(aim_px)):
+            _enter(i, listed[i], near, n_near)
+
+
+@kernel(inline="always")
+def _leave(i: int, place: Any, near: NDArray[np.uint16], n_near: NDArray[np.uint8]) -> bool:
+    """Removes a marker from its tiles; returns True if one of them was full."""
+    is_full = False
+    for row in range(place.top, place.top + place.n_rows):
+        for column in range(place.left, place.left + place.n_columns):
+            tile = np.uint64(row * COLUMNS + column)
+            n = n_near[tile]
+            is_full |= n == CAPACITY
+            found = False
+            for k in range(n):
+                found |= near[np.uint64(k), tile] == i
+                if found and k + 1 < n:
+                    near[np.uint64(k), tile] = near[np.uint64(k + 1), tile]
+            n_near[tile] = n - found
+    return is_full
+
+
+@kernel(inline="always")
+def _enter(i: int, place: Any, near: NDArray[np.uint16], n_near: NDArray[np.uint8]) -> bool:
+    """Enters a marker into its tiles, before those of larger number; True if one was full."""
+    is_full = False
+    for row in range(place.top, place.top + place.n_rows):
+        for column in range(place.left, place.left + place.n_columns):
+            tile = np.uint64(row * COLUMNS + column)
+            k = np.int64(n_near[tile])
+            if k == CAPACITY:
+                is_full = True
+                continue
+            n_near[tile] = k + 1
+            while k > 0 and near[np.uint64(k - 1), tile] > i:
+                near[np.uint64(k), tile] = near[np.uint64(k - 1), tile]
+                k -= 1
+            near[np.uint64(k), tile] = i
+    return is_full
 
 
 @kernel(inline="always")
