@@ -65,6 +65,7 @@ def check_calibration() -> Finding:
     age = (
         datetime.datetime.now(tz=datetime.UTC).date() - datetime.date.fromisoformat(found[1])
     ).days
+    age = max(age, 0)  # a clock that was set back
     sentence = f"{sentence}, {age} days ago."
     if age > _OLD_DAYS:
         return warn(sentence, "Hands change. To measure again: neurotouch calibrate")

@@ -72,6 +72,7 @@ def test_a_favourite_that_is_gone(config):
     [
         (lambda: "version: 1\n", CheckStatus.SKIPPED, "neurotouch calibrate"),
         (lambda: calibrated(3), CheckStatus.OK, "1 of 8 movements are calibrated, 3 days ago."),
+        (lambda: calibrated(-9), CheckStatus.OK, "1 of 8 movements are calibrated, 0 days ago."),
         (lambda: calibrated(400), CheckStatus.WARNING, "400 days ago"),
         (lambda: BY_HAND, CheckStatus.OK, "by hand"),
     ],

@@ -11,6 +11,7 @@ import click
 import pytest
 
 from neurotouch_hid.errors import DriverError, ProfileError
+from neurotouch_hid.players import find_runtime_folder, find_socket, list_players
 from tests.processes import run_command
 
 ROOT = Path(__file__).parents[2]
@@ -72,10 +73,24 @@ def test_another_player_has_folders_of_their_own_and_the_same_limits():
     changed = [line for line in theirs if line not in ours]
     assert "RuntimeDirectory=neurotouch-%i" in changed
     assert "StateDirectory=neurotouch-%i" in changed
-    assert any(line.endswith("NEUROTOUCH_PLAYER=%i") for line in changed)
+    assert "Environment=NEUROTOUCH_PLAYER=%i" in changed
     assert "WantedBy=multi-user.target" in changed
     assert "After=neurotouch.service" in changed  # not both at once
     assert len(changed) == 8
+
+
+@pytest.mark.parametrize("player", [1, 2])
+def test_a_reload_of_one_players_service_leaves_the_others_alone(tmp_path, monkeypatch, player):
+    """``ExecReload`` runs in the environment of the unit."""
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "neurotouch"))
+    for each in (1, 2):
+        folder = find_runtime_folder(each)
+        folder.mkdir()
+        find_socket(folder).touch()
+    text = UNIT.read_text() if player == 1 else make_template().replace("%i", "2")
+    for name, value in re.findall(r"(NEUROTOUCH_\w+)=(\S+)", text):
+        monkeypatch.setenv(name, value)
+    assert list_players() == [player]
 
 
 @needs_systemd

@@ -132,7 +132,9 @@ CODES: Final[dict[str, Explanation]] = {
     ),
     "NT131": Explanation(
         "profiles built on each other in a circle",
-        "A profile cannot, over any number of steps, be built on itself.",
+        "A profile cannot, over any number of steps, be built on itself. A profile of your own "
+        "takes the place of a shipped one of its name; to build on that one, give yours another "
+        "name.",
     ),
     "NT132": Explanation(
         "the profile it is built on is wrong", "Check that profile first; this one needs it."
