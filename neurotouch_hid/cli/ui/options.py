@@ -82,7 +82,7 @@ class PlainName(click.ParamType):  # type: ignore[type-arg]  # generic from clic
         import re
 
         if not re.fullmatch(NAME_PATTERN, value):
-            from neurotouch_hid.profile.reading.library import propose_name
+            from neurotouch_hid.profile.reading import propose_name
 
             near = propose_name(value)
             raise WrongUsage(

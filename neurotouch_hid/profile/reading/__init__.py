@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         list_misnamed,
         list_profile_folders,
         list_profiles,
+        propose_name,
     )
     from neurotouch_hid.profile.reading.load import (
         Checked,
@@ -38,7 +39,7 @@ else:
         __name__,
         {
             "library": "OWN_VALUES find_profile find_shipped_folder find_user_folder "
-            "list_changeable_folders list_misnamed list_profile_folders list_profiles",
+            "list_changeable_folders list_misnamed list_profile_folders list_profiles propose_name",
             "load": "Checked check_content check_listed check_profile check_user find_values "
             "holds_values load_profile load_settings load_unused load_user parse_profile "
             "parse_settings",
@@ -67,4 +68,5 @@ __all__ = [
     "load_user",
     "parse_profile",
     "parse_settings",
+    "propose_name",
 ]
