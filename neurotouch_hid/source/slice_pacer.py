@@ -24,9 +24,9 @@ on a part while the next one comes, instead of on the whole slice at its end. Th
 they hide the first motion."""
 CALM_US: Final = 100_000
 """Time without activity after which slices are joined."""
-SLOWER_US: Final = 60_000
+SLOWER_US: Final = 80_000
 """Time without activity after which the short slices are twice as long. What a finger moves then
-makes few events: one in a hundred of all that dots make."""
+makes so few events that 99 of 100 wait no longer than before; with 60 ms they did."""
 MOVED_US: Final = 150_000
 """Time without activity after which slices are no longer short. Longer, because a slow finger does
 not exceed the noise all the time."""
