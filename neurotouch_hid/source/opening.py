@@ -10,6 +10,7 @@ from neurotouch_hid.source.check import find_path, refuse_source
 from neurotouch_hid.source.pacing import PacedSource
 from neurotouch_hid.source.plugin import open_plugin
 from neurotouch_hid.source.protocol import Source
+from neurotouch_hid.source.slice_pacer import MOVING_US
 from neurotouch_hid.vocabulary import SourceKind, Speed, find_source_kind, is_clip
 
 if TYPE_CHECKING:
@@ -47,8 +48,8 @@ def open_source(
             KIND in ``neurotouch.sources`` is called as
             ``make(REST, slice_us=..., seed=...)``.
         slice_us: length of a slice of sensor time; without, ``LIVE_US`` of an event camera, and
-            shorter while the gel moves, what suits the rate of a video camera, and ``PAPER_US`` of
-            anything else.
+            ``MOVING_US`` while the gel moves, what suits the rate of a video camera, and
+            ``PAPER_US`` of anything else.
         speed: ``recorded`` plays no faster than it happened, ``max`` as fast as possible; ignored
             for a camera.
         seed: of the simulator's chance; recordings have none.
@@ -80,7 +81,7 @@ def open_source(
             rest,
             None if camera is None else camera.davis,
             slice_us=slice_us or LIVE_US,
-            in_parts=not slice_us,
+            part_us=None if slice_us else MOVING_US,
             wait=wait,
             max_delay_us=max_delay_us or MAX_DELAY_US,
         )
@@ -103,7 +104,7 @@ def open_source(
             None if camera is None else camera.events,
             gel=gel,
             slice_us=slice_us or LIVE_US,
-            in_parts=not slice_us,
+            part_us=None if slice_us else MOVING_US,
             wait=wait,
             max_delay_us=max_delay_us or MAX_DELAY_US,
         )

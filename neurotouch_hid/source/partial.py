@@ -7,7 +7,7 @@ from neurotouch_hid.messages import EventPacket
 LEAD_US: Final = 350
 """How long before its end a slice is delivered in part. A processor needs this time if the
 pipeline has left its caches since the last slice."""
-SHORTEST_US: Final = 3_000
+SHORTEST_US: Final = 2_000
 """With shorter slices the pipeline stays in the caches of the processor."""
 
 

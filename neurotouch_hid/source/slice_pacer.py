@@ -24,9 +24,6 @@ on a part while the next one comes, instead of on the whole slice at its end. Th
 they hide the first motion."""
 CALM_US: Final = 100_000
 """Time without activity after which slices are joined."""
-SLOWER_US: Final = 80_000
-"""Time without activity after which the short slices are twice as long. What a finger moves then
-makes so few events that 99 of 100 wait no longer than before; with 60 ms they did."""
 MOVED_US: Final = 150_000
 """Time without activity after which slices are no longer short. Longer, because a slow finger does
 not exceed the noise all the time."""
@@ -46,7 +43,7 @@ class SlicePacer:
 
     The noise is learned while the pipeline is idle and stays so. From then on, a slice of the usual
     length with more events than that shows that the gel moves. While it moves, parts of slices pass
-    at once, or two at a time; so do those of slices with very many events.
+    at once; so do those of slices with very many events.
 
     Args:
         usual_us: length of the usual slices, which end at multiples of it; parts of them may come
@@ -81,11 +78,9 @@ class SlicePacer:
         return self._calm_us > CALM_US
 
     @property
-    def part_us(self) -> int | None:
-        """In which parts slices should come: short ones while the gel moves; None: whole."""
-        if self._still_us <= SLOWER_US or self._is_dense:
-            return MOVING_US
-        return 2 * MOVING_US if self._still_us <= MOVED_US else None
+    def wants_parts(self) -> bool:
+        """True while more events come than the noise makes, and a little longer; or very many."""
+        return self._still_us <= MOVED_US or self._is_dense
 
     def take(self, packet: EventPacket) -> tuple[EventPacket, ...]:
         """Returns nothing, or this slice joined with all slices that waited.
@@ -96,8 +91,7 @@ class SlicePacer:
         self._n_events += len(packet.events)
         self._length_us += packet.t_end_us - packet.t_begin_us
         if self._usual_us is not None and packet.t_end_us % self._usual_us:
-            part_us = self.part_us
-            if packet.gap or (part_us is not None and packet.t_end_us % part_us == 0):
+            if self.wants_parts or packet.gap:
                 return self._release(packet)
             self._wait(packet)
             return ()

@@ -21,14 +21,14 @@ from neurotouch_hid.runtime import Pipeline
 from neurotouch_hid.runtime.pipeline import IDLE_US
 from neurotouch_hid.source.opening import LIVE_US, PAPER_US
 from neurotouch_hid.source.simulator.dataset import REST_US, plan_dataset, simulate_recipe
-from neurotouch_hid.source.slice_pacer import SlicePacer
+from neurotouch_hid.source.slice_pacer import MOVING_US, SlicePacer
 from neurotouch_hid.source.slicer import Slicer
 
 LOOK_US = 20_000
-WAYS = {"recording": (PAPER_US, False), "4 ms": (LIVE_US, False), "activity": (LIVE_US, True)}
+WAYS = {"recording": (PAPER_US, None), "4 ms": (LIVE_US, None), "activity": (LIVE_US, MOVING_US)}
 
 
-def play(packets, slice_us, in_parts):
+def play(packets, slice_us, part_us):
     """Yields the steps."""
     pipeline = Pipeline.build(load_profile("spacecraft"), GestureConfig())
     slicer, pacer, idle_us = Slicer(slice_us, 0), SlicePacer(slice_us), 0
@@ -44,7 +44,7 @@ def play(packets, slice_us, in_parts):
                 if pacer.is_idle is not None:
                     pacer.is_idle = idle_us >= IDLE_US
                 yield step
-            slicer.part_us = pacer.part_us if in_parts else None
+            slicer.part_us = part_us if pacer.wants_parts else None
     pipeline.close()
 
 

@@ -25,6 +25,7 @@ from neurotouch_hid.evaluation.speed.workload import DenseSource, load_scene
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.source.davis import DavisSource
 from neurotouch_hid.source.opening import LIVE_US
+from neurotouch_hid.source.slice_pacer import MOVING_US
 from tests.benchmarks.camera import PLAY, REST, Bench, Pace, build_standin, record
 
 LOOK_STEPS = 16
@@ -86,7 +87,7 @@ def main() -> None:
         meter = Meter(bench)
         with Driver(
             replace(REFERENCE, speed="recorded"),
-            make_source=lambda: DavisSource(cameras=bench, slice_us=LIVE_US, in_parts=True),
+            make_source=lambda: DavisSource(cameras=bench, slice_us=LIVE_US, part_us=MOVING_US),
         ) as driver:
             driver.run([meter], seconds=seconds - LEFT_S)
     pairs = zip(meter.begun, meter.now, strict=True)

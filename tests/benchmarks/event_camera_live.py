@@ -28,6 +28,7 @@ from neurotouch_hid.runtime import Pipeline, run_pipeline, warm_up
 from neurotouch_hid.source.events.source import EventCameraSource
 from neurotouch_hid.source.opening import LIVE_US
 from neurotouch_hid.source.simulator import Simulator, StrokeTiming, push, sequence
+from neurotouch_hid.source.slice_pacer import MOVING_US
 from tests.source.events.fake_library import (
     Camera,
     Device,
@@ -167,7 +168,7 @@ def main():
     pad, library = MemoryDevice(), PlayedLibrary(camera)
     with EventCameraSource(
         slice_us=slice_us or LIVE_US,
-        in_parts=not slice_us,
+        part_us=None if slice_us else MOVING_US,
         library=library,
         plugged=library.list_plugged,
     ) as source:

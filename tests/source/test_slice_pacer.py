@@ -13,7 +13,6 @@ from neurotouch_hid.source.slice_pacer import (
     MOST_PER_US,
     MOVED_US,
     MOVING_US,
-    SLOWER_US,
     SlicePacer,
 )
 
@@ -178,15 +177,13 @@ def learn_noise():
 def test_parts_come_at_once_while_the_gel_moves_and_together_when_it_rests():
     pacer, k = learn_noise()
     assert take_parts(pacer, k, [90] * PARTS) == [(0, SLICE_US, 360)]
-    assert pacer.part_us is None
+    assert not pacer.wants_parts
     assert take_parts(pacer, k + 1, [90, 90, 90, 300]) == [(0, SLICE_US, 570)]
-    assert pacer.part_us == MOVING_US
+    assert pacer.wants_parts
     each = [(j * MOVING_US, (j + 1) * MOVING_US, 90) for j in range(PARTS)]
-    pairs = [(j * MOVING_US, (j + 2) * MOVING_US, 180) for j in range(0, PARTS, 2)]
     for j in range(N_STILL + 1):
-        came = take_parts(pacer, k + 2 + j, [90] * PARTS)
-        assert came == (each if j <= SLOWER_US // SLICE_US else pairs), j
-    assert pacer.part_us is None
+        assert take_parts(pacer, k + 2 + j, [90] * PARTS) == each, j
+    assert not pacer.wants_parts
     assert take_parts(pacer, k + 3 + N_STILL, [90] * PARTS) == [(0, SLICE_US, 360)]
 
 
@@ -198,9 +195,9 @@ def test_a_motion_that_the_pipeline_finds_late_is_not_learned_as_noise():
     pacer.is_idle = False
     for j in range(N_DOUBT, N_DOUBT + N_STILL + 1):
         take_parts(pacer, k + j, [90] * PARTS)
-    assert pacer.part_us is None
+    assert not pacer.wants_parts
     take_parts(pacer, k + j + 1, [120] * PARTS)  # and of a slow one
-    assert pacer.part_us == MOVING_US
+    assert pacer.wants_parts
 
 
 def test_a_motion_is_seen_before_the_pipeline_was_idle_for_long():
@@ -211,7 +208,7 @@ def test_a_motion_is_seen_before_the_pipeline_was_idle_for_long():
         take_parts(pacer, k, rng.poisson(90, PARTS))
     pacer.is_idle = False
     take_parts(pacer, k + 1, [120] * PARTS)
-    assert pacer.part_us == MOVING_US
+    assert pacer.wants_parts
 
 
 def test_light_that_flickers_does_not_keep_slices_short():
@@ -219,19 +216,19 @@ def test_light_that_flickers_does_not_keep_slices_short():
     pacer.is_idle = True
     for k in range(1_000):
         take_parts(pacer, k, [50 if k % 5 else 400] * PARTS)  # every 20 ms
-    assert pacer.part_us is None
+    assert not pacer.wants_parts
 
 
 def test_whole_slices_wake_a_pacer_of_parts_as_well():
     pacer, k = learn_noise()
     assert len(pacer.take(make(k, 600))) == 1
-    assert pacer.part_us == MOVING_US
+    assert pacer.wants_parts
 
 
 def test_until_the_noise_is_known_nothing_moves():
     pacer = SlicePacer(SLICE_US)
     assert take_parts(pacer, 0, [900] * PARTS) == [(0, SLICE_US, 3600)]
-    assert pacer.part_us is None
+    assert not pacer.wants_parts
 
 
 def test_a_lamp_that_stays_does_not_keep_slices_short():
@@ -239,7 +236,7 @@ def test_a_lamp_that_stays_does_not_keep_slices_short():
     pacer.is_idle = True
     for j in range(1_000):
         take_parts(pacer, k + j, [200] * PARTS)
-    assert pacer.part_us is None
+    assert not pacer.wants_parts
 
 
 @pytest.mark.parametrize("is_idle", [True, False])
@@ -254,7 +251,7 @@ def test_very_many_events_come_in_parts_though_nothing_moves(is_idle):
     assert take_parts(pacer, k, [many] * PARTS) == each
     assert not pacer.is_calm
     take_parts(pacer, k + 1, [few] * PARTS)
-    assert pacer.part_us is None
+    assert not pacer.wants_parts
     assert take_parts(pacer, k + 2, [few] * PARTS) == [(0, SLICE_US, PARTS * few)]
 
 

@@ -75,7 +75,8 @@ class DavisSource(CameraSource):
             or another one that is present when the first is gone.
         config: how it is set up.
         slice_us: length of a slice.
-        in_parts: slices come in short parts while the gel moves.
+        part_us: length of the parts in which slices come while the gel moves; without, they come
+            whole.
         wait: a camera need not be there yet.
         max_delay_us: slices that wait longer for the pipeline are dropped: old data moves no stick.
         cameras: where they come from.
@@ -96,7 +97,7 @@ class DavisSource(CameraSource):
         config: DavisConfig | None = None,
         *,
         slice_us: int = 10_000,
-        in_parts: bool = False,
+        part_us: int | None = None,
         wait: bool = False,
         max_delay_us: int = MAX_DELAY_US,
         cameras: Cameras | None = None,
@@ -107,7 +108,7 @@ class DavisSource(CameraSource):
         self._cameras = cameras or Usb()
         self._sleep_s = sleep_s
         self._chosen = self._serial = serial
-        self._slice_us, self._in_parts = slice_us, in_parts
+        self._slice_us, self._part_us = slice_us, part_us
         self._pacer = SlicePacer(slice_us)
         self._wants_frames = True
         self._stream: Stream | None = None
@@ -223,7 +224,7 @@ class DavisSource(CameraSource):
         for whole in self._pacer.take(packet):
             self._queue.put(whole)
             self._note_progress(whole.t_end_us)
-        return self._pacer.part_us if self._in_parts and not is_behind else None
+        return self._part_us if self._pacer.wants_parts and not is_behind else None
 
     def _note(self, error: CameraError) -> None:
         self._n_restarts += isinstance(error, OutOfStepError)

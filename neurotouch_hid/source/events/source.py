@@ -77,7 +77,8 @@ class EventCameraSource(CameraSource):
         config: how it is set up.
         gel: the gel that it sees.
         slice_us: length of a slice.
-        in_parts: slices come in short parts while the gel moves.
+        part_us: length of the parts in which slices come while the gel moves; without, they come
+            whole.
         wait: a camera need not be there yet.
         max_delay_us: data that waits longer is thrown away: old data moves no stick.
         library: the library, or what behaves like it.
@@ -96,7 +97,7 @@ class EventCameraSource(CameraSource):
         *,
         gel: Gel = PAPER_GEL,
         slice_us: int = 10_000,
-        in_parts: bool = False,
+        part_us: int | None = None,
         wait: bool = False,
         max_delay_us: int = MAX_DELAY_US,
         library: Library | None = None,
@@ -108,7 +109,7 @@ class EventCameraSource(CameraSource):
         self._chosen, self._config, self._gel = camera, config or EventsConfig(), gel
         self._slice_us, self._max_delay_s = slice_us, 1e-6 * max_delay_us
         self._clock_s = clock_s
-        self._pacer, self._in_parts = SlicePacer(slice_us), in_parts
+        self._pacer, self._part_us = SlicePacer(slice_us), part_us
         strobe = self._config.strobe
         self._strobe = None if strobe is None else Strobe(strobe)
         self._info: EventCameraInfo | None = None
@@ -314,8 +315,9 @@ class EventCameraSource(CameraSource):
         for whole in self._pacer.take(packet):
             self._queue.put(whole)
         self._note_progress(packet.t_end_us)
-        in_parts = self._in_parts and self._strobe is None and not is_behind
-        return self._pacer.part_us if in_parts else None
+        if self._strobe is not None or is_behind or not self._pacer.wants_parts:
+            return None
+        return self._part_us
 
     def _note(self, error: CameraError) -> None:
         self._n_restarts += isinstance(error, ClockJumpError)

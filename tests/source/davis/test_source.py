@@ -196,7 +196,7 @@ def play_motion(camera, source, stream, n):
 
 
 def test_slices_come_in_parts_while_the_gel_moves():
-    with open_camera(camera := ScriptedCamera(), slice_us=4_000, in_parts=True) as source:
+    with open_camera(camera := ScriptedCamera(), slice_us=4_000, part_us=1_000) as source:
         assert play_motion(camera, source, noise(1), 60).count(1_000) > 20
 
 
@@ -206,7 +206,7 @@ def test_slices_of_a_chosen_length_stay_as_they_are():
 
 
 def test_a_pipeline_that_is_behind_gets_whole_slices():
-    with open_camera(camera := ScriptedCamera(), slice_us=4_000, in_parts=True) as source:
+    with open_camera(camera := ScriptedCamera(), slice_us=4_000, part_us=1_000) as source:
         play_motion(camera, source, stream := noise(1), 60)
         camera.script += [next(stream) + BURST for _ in range(60)]
         while camera.script:

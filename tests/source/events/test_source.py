@@ -66,7 +66,7 @@ def test_slices_come_in_parts_while_the_gel_moves():
         stamps_us = 4_000 * k + np.arange(n) * 10
         camera.show(4_000 * k + 4_000, make_events(stamps_us, x=np.arange(n) % 346))
 
-    with open_source(camera, slice_us=4_000, in_parts=True) as source:
+    with open_source(camera, slice_us=4_000, part_us=1_000) as source:
         source.set_activity(is_idle=True)
         packets = []
         for packet in source.poll():  # data that comes late would come in whole slices
