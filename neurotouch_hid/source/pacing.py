@@ -11,7 +11,8 @@ from neurotouch_hid.source.protocol import PictureSource, Source
 from neurotouch_hid.source.slice_pacer import SlicePacer
 
 STOPPED_NS: Final = 1_000_000_000
-"""A packet that took longer was not slow: the process was stopped, as by Ctrl-Z."""
+"""A packet that took longer, apart from waiting, was not slow: the process was stopped, as by
+Ctrl-Z."""
 
 
 class PacedSource(Closing):
@@ -58,8 +59,8 @@ class PacedSource(Closing):
             now_ns = self._clock_ns()
             if start_ns is None:
                 start_ns = now_ns
-            elif now_ns - begun_ns > STOPPED_NS:
-                start_ns += now_ns - begun_ns
+            elif (took_ns := now_ns - max(begun_ns, self.due_ns)) > STOPPED_NS:
+                start_ns += took_ns
             begun_ns = now_ns
             played_us += packet.t_end_us - packet.t_begin_us
             self.due_ns = start_ns + played_us * 1000

@@ -11,19 +11,20 @@ NO_EVENTS = np.empty(0, EVENT_DTYPE)
 
 
 class Packets:
-    """A source of ten empty packets of 10 ms, an hour apart in the middle."""
+    """A source of ten empty packets, an hour apart in the middle."""
 
     name = "packets"
     rig = None
     is_live = is_simulated = False
 
-    def __init__(self):
+    def __init__(self, length_us=10_000):
         self.closed = False
+        self._length_us = length_us
 
     def __iter__(self):
         for i in range(10):
-            begin_us = i * 10_000 + (3_600_000_000 if i >= 5 else 0)
-            yield EventPacket(begin_us, begin_us + 10_000, NO_EVENTS)
+            begin_us = i * self._length_us + (3_600_000_000 if i >= 5 else 0)
+            yield EventPacket(begin_us, begin_us + self._length_us, NO_EVENTS)
 
     def close(self):
         self.closed = True
@@ -75,6 +76,13 @@ def test_a_process_that_was_stopped_goes_on_at_recorded_speed(where):
     played = np.diff(arrivals)
     assert played.max() >= 60_000
     assert np.sort(played)[:8].min() >= 9
+
+
+def test_long_packets_are_not_taken_for_a_stop():
+    clock = Clock()
+    source = PacedSource(Packets(2 * STOPPED_NS // 1_000), clock, clock.sleep_s)
+    arrivals_ns = [clock() for _ in source]
+    assert set(np.diff(arrivals_ns)) == {2 * STOPPED_NS}
 
 
 def test_closing_closes_the_source():
