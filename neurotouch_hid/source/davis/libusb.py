@@ -23,7 +23,7 @@ from neurotouch_hid.source.davis.kernels.transfers import (
     COMPLETED,
     IN_FLIGHT,
     Calls,
-    Transfers,
+    make_transfers,
     pump,
 )
 from neurotouch_hid.source.davis.registers import (
@@ -88,11 +88,7 @@ class LibusbTransport:
     def __init__(self, bus: int, address: int) -> None:
         self._receive: Receive = len
         self._pointers: list[Any] = []  # to the transfers
-        self._transfers = Transfers(
-            np.zeros((N_TRANSFERS, 3), np.int64),
-            np.empty((N_TRANSFERS, TRANSFER_BYTES), np.uint8),
-            np.empty(N_TRANSFERS * TRANSFER_BYTES, np.uint8),
-        )
+        self._transfers = make_transfers(N_TRANSFERS, TRANSFER_BYTES)
         self._in_flight = np.empty(0, np.int64)  # in the order in which they will end
         self._ending = self._gone = self._halted = False
         self._closing = contextlib.ExitStack()

@@ -10,7 +10,7 @@ from neurotouch_hid.process.c_call import find_address
 from neurotouch_hid.process.kernel_cache import bind
 from neurotouch_hid.source.camera_errors import CameraGoneError
 from neurotouch_hid.source.davis import libusb
-from neurotouch_hid.source.davis.kernels.transfers import Calls, Transfers, pump
+from neurotouch_hid.source.davis.kernels.transfers import Calls, make_transfers, pump
 from neurotouch_hid.source.davis.transport import ANY_TIME, StreamHaltedError
 
 N = 4
@@ -31,9 +31,7 @@ class Scripted(libusb.LibusbTransport):
         self._receive = self.received.append
         self._ending = self._gone = self._halted = False
         self._pointers = []
-        self._transfers = Transfers(
-            np.zeros((N, 3), np.int64), np.zeros((N, 8), np.uint8), np.zeros(8 * N, np.uint8)
-        )
+        self._transfers = make_transfers(N, 8)
         self._in_flight = np.arange(N)
         self._handle = None
         for _ in range(N):

@@ -47,11 +47,24 @@ class Transfers(NamedTuple):
         addresses: (n, 3) int64, of each transfer, of its status and of its length.
         data: (n, bytes) uint8 that they write to.
         taken: (n * bytes,) uint8, what was taken.
+        word: (1,) int32, what is copied from a transfer or to it. An array of the kernel would be
+            freed before a call that only has its address.
     """
 
     addresses: Numbers
     data: Bytes
     taken: Bytes
+    word: NDArray[np.int32]
+
+
+def make_transfers(n: int, n_bytes: int) -> Transfers:
+    """Returns n transfers of as many bytes, without their addresses."""
+    return Transfers(
+        np.zeros((n, 3), np.int64),
+        np.empty((n, n_bytes), np.uint8),
+        np.empty(n * n_bytes, np.uint8),
+        np.empty(1, np.int32),
+    )
 
 
 @kernel
@@ -100,9 +113,8 @@ def pump(
 
 def load_pump() -> None:
     """Compiles or loads ``pump``, before a camera's data waits for it."""
-    numbers, data = np.empty((0, 3), np.int64), np.empty((0, 0), np.uint8)
-    transfers = Transfers(numbers, data, data.ravel())
-    load(pump, Calls(0, 0, 0, 0, 0, 0), transfers, numbers.ravel(), 0, 0, 0)
+    in_flight = np.empty(0, np.int64)
+    load(pump, Calls(0, 0, 0, 0, 0, 0), make_transfers(0, 0), in_flight, 0, 0, 0)
 
 
 @kernel
@@ -112,16 +124,16 @@ def _take(calls: Calls, transfers: Transfers, in_flight: Numbers, end: int) -> i
     while n < len(in_flight) and end + size <= len(transfers.taken):
         number = in_flight[n]
         transfer, status_at, length_at = transfers.addresses[number]
-        if _read(calls, status_at) != COMPLETED:
+        if _read(calls, transfers, status_at) != COMPLETED:
             break
-        length = _read(calls, length_at)
+        length = _read(calls, transfers, length_at)
         transfers.taken[end : end + length] = transfers.data[number, :length]
         end += length
-        _write(calls, status_at, IN_FLIGHT)
+        _write(calls, transfers, status_at, IN_FLIGHT)
         error = call_c(calls.submit, (transfer,))
         if error:
-            _write(calls, length_at, 0)
-            _write(calls, status_at, GONE if error == _NO_DEVICE else STALLED)
+            _write(calls, transfers, length_at, 0)
+            _write(calls, transfers, status_at, GONE if error == _NO_DEVICE else STALLED)
             break
         n += 1
     _move_back(in_flight, n)
@@ -133,7 +145,7 @@ def _has_failed(calls: Calls, transfers: Transfers, in_flight: Numbers) -> bool:
     """Returns True if the transfer in front has failed, or could not be submitted again."""
     if not len(in_flight):
         return False
-    status: int = _read(calls, transfers.addresses[in_flight[0], 1])
+    status: int = _read(calls, transfers, transfers.addresses[in_flight[0], 1])
     return status > COMPLETED
 
 
@@ -144,7 +156,7 @@ def _pass_over_lost(calls: Calls, transfers: Transfers, in_flight: Numbers) -> N
     Linux ends the transfers of an endpoint in order, so it has lost them. They are waited for last.
     """
     for n in range(len(in_flight)):
-        if _read(calls, transfers.addresses[in_flight[n], 1]) != IN_FLIGHT:
+        if _read(calls, transfers, transfers.addresses[in_flight[n], 1]) != IN_FLIGHT:
             _move_back(in_flight, n)
             return
 
@@ -169,15 +181,13 @@ def _has_come(data: Bytes, time_word: int) -> bool:
 
 
 @kernel
-def _read(calls: Calls, address: int) -> int:
-    value = np.empty(1, np.int32)
-    call_c(calls.memcpy, (value.ctypes.data, address, _INT_BYTES))
-    number: int = value[0]
+def _read(calls: Calls, transfers: Transfers, address: int) -> int:
+    call_c(calls.memcpy, (transfers.word.ctypes.data, address, _INT_BYTES))
+    number: int = transfers.word[0]
     return number
 
 
 @kernel
-def _write(calls: Calls, address: int, number: int) -> None:
-    value = np.empty(1, np.int32)
-    value[0] = number
-    call_c(calls.memcpy, (address, value.ctypes.data, _INT_BYTES))
+def _write(calls: Calls, transfers: Transfers, address: int, number: int) -> None:
+    transfers.word[0] = number
+    call_c(calls.memcpy, (address, transfers.word.ctypes.data, _INT_BYTES))
