@@ -16,7 +16,8 @@ def main(path: Path, seconds: float) -> None:
     if not found:
         sys.exit("No stream 'neurotouch' was found. Start it: neurotouch stream lsl")
     inlet = pylsl.StreamInlet(found[0])
-    channel = inlet.info().desc().child("channels").child("channel")
+    info = inlet.info(10.0)  # its channels are freed with it
+    channel = info.desc().child("channels").child("channel")
     names = ["lsl_time"]
     while not channel.empty():
         names.append(channel.child_value("label"))

@@ -213,7 +213,8 @@ def test_lsl_has_all_of_a_state():
         gesture, at = inlets["neurotouch-gesture"].pull_sample(LIMIT_S)
         (info,) = pylsl.resolve_byprop("name", "neurotouch-markers", 1, LIMIT_S)
         assert info.channel_count() == 4
-        channel = inlets["neurotouch"].info().desc().child("channels").child("channel")
+        whole = inlets["neurotouch"].info(LIMIT_S)  # its channels are freed with it
+        channel = whole.desc().child("channels").child("channel")
         labels = []
         while not channel.empty():
             labels.append(channel.child_value("label"))
