@@ -18,6 +18,8 @@ from neurotouch_hid.source.simulator.script import Finger, Stroke, sequence
 from tests.kernel.machine import choose_machine
 
 KERNEL = "tests/kernel/"
+SLOW = KERNEL, "tests/page/", "tests/tracker/", "tests/cli/"
+"""Folders with slow files, the slowest first. Each process begins with a kernel."""
 
 # No test is timed, compiled kernels take their time at the first call; the same examples each time.
 settings.register_profile("steady", deadline=None, derandomize=True)
@@ -60,8 +62,8 @@ class _ByFile(LoadFileScheduling):
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """The slow kernels come first: each process begins with one."""
-    items.sort(key=lambda item: not item.nodeid.startswith(KERNEL))
+    """The slow files come first, so that all processes end at about the same time."""
+    items.sort(key=lambda item: [not item.nodeid.startswith(folder) for folder in SLOW])
 
 
 @pytest.hookimpl(optionalhook=True)

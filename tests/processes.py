@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from tests.repeated import find_tour, offer_repeated
 from tests.waiting import LIMIT_S, wait_until
 
 PROGRAM = [sys.executable, "-m", "neurotouch_hid"]
@@ -97,14 +98,23 @@ class Process:
 
 
 class Driver(Process):
-    """``neurotouch run`` on a simulated gel."""
+    """``neurotouch run`` on a simulated gel, whose tour was recorded."""
 
-    def __init__(self, folder: Path, scene: str = "tour", profile: str = "mine") -> None:
+    def __init__(self, folder: Path, source: str = "", profile: str = "mine") -> None:
         super().__init__(
             folder,
-            *("run", "--source", f"sim:{scene}", "--device", "memory", "--profile", profile),
+            *(
+                "run",
+                "--source",
+                source or f"repeated:{find_tour()}",
+                "--device",
+                "memory",
+                "--profile",
+                profile,
+            ),
             *("--show", "nothing"),
             ready="Gamepad ready",
+            **offer_repeated(folder / "packages"),
         )
 
     def status(self) -> dict:

@@ -45,7 +45,7 @@ def main() -> None:
 
 def take_tour(browser: Browser, home: Path, folder: Path) -> None:
     """The live view through one round of all gestures, as a moving picture and as a still one."""
-    driver = Driver(home, profile="spacecraft")
+    driver = Driver(home, "sim:tour", "spacecraft")
     view = View(home, "--edit")
     try:
         page = browser.new_page(
@@ -105,7 +105,7 @@ def take_view(browser: Browser, home: Path, folder: Path) -> None:
     profiles = home / "config" / "neurotouch" / "profiles"
     profiles.mkdir(parents=True)
     (profiles / "mine.yaml").write_text(PROFILE.replace("accept_ms: 5000", "accept_ms: 1500"))
-    driver = Driver(home)
+    driver = Driver(home, "sim:tour")
     view = View(home, "--edit")
     try:
         for name, size, scheme in (("view", DESK, "dark"), ("view-phone", PHONE, "light")):

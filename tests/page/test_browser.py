@@ -116,7 +116,7 @@ def test_every_part_is_there_in_its_order(open_page, view):
         assert stage in table
     health = page.inner_text("#health")
     assert re.search(r"markers tracked\s+17\d of 177", health)
-    assert "sim:tour" in health
+    assert "repeated:tour" in health
     assert "SIMULATED" in page.inner_text("#badges")
 
 
