@@ -18,6 +18,7 @@ from neurotouch_hid.monitor.cue import CueKind
 from neurotouch_hid.monitor.tone import make_wave
 from neurotouch_hid.subscriber import Subscriber
 from tests.processes import PROGRAM, Process, make_environment, run_command, run_neurotouch
+from tests.repeated import find_tour, offer_repeated
 from tests.waiting import LIMIT_S, wait_until
 
 HEAVY = ("click", "numpy", "numba", "cv2", "pydantic", "ruamel", "evdev", "asyncio", "threading")
@@ -30,9 +31,14 @@ class Driver(Process):
 
     def __init__(self, folder: Path) -> None:
         self.trace = folder / "trace.jsonl"
-        command = (*RUN[len(PROGRAM) :], "--show", "nothing", "--trace", str(self.trace))
-        path = f"{folder / 'bin'}:{os.environ['PATH']}"
-        super().__init__(folder, *command, ready="Gamepad ready", PATH=path)
+        command = ("run", "--source", f"repeated:{find_tour()}", "--device", "memory")
+        super().__init__(
+            folder,
+            *(*command, "--show", "nothing", "--trace", str(self.trace)),
+            ready="Gamepad ready",
+            PATH=f"{folder / 'bin'}:{os.environ['PATH']}",
+            **offer_repeated(folder / "packages"),
+        )
 
     def do(self, *arguments: str) -> str:
         done = self.call(*arguments)
@@ -173,7 +179,7 @@ def test_status_has_one_fact_on_each_line_and_the_state_first(shared):
     every = driver.do("status", "--verbose").splitlines()
     assert len(every) > len(plain)
     facts = dict(line.split(": ", 1) for line in every)
-    assert facts["source"] == "SIMULATED sim:tour"
+    assert facts["source"] == "SIMULATED repeated:tour"
     assert facts["pad"] == "memory"
     assert facts["profile"] == "mine"
     assert facts["layer"] == "base"
@@ -193,7 +199,7 @@ def test_the_command_alone_says_in_words_what_runs_and_what_comes_next(shared):
     said = driver.do().splitlines()
     assert said == [
         "The driver runs, with the profile mine.",
-        "source: SIMULATED sim:tour",
+        "source: SIMULATED repeated:tour",
         "pad: memory",
         "gel: found",
         "Next: neurotouch view --edit --open",

@@ -20,6 +20,7 @@ from neurotouch_hid.errors import DriverError, NotRunningError
 from neurotouch_hid.ipc import FEED, listen_at
 from neurotouch_hid.players import find_socket
 from tests.processes import LIMIT_S, PROGRAM, run_command
+from tests.repeated import find_tour, offer_repeated
 from tests.waiting import wait_until
 
 IS_ROOT = os.getuid() == 0
@@ -31,9 +32,10 @@ from neurotouch_hid.driver import Driver, DriverOptions
 from neurotouch_hid.driver.people import People
 from neurotouch_hid.process.signals import stop_on_signals
 
-seated = lambda: tuple(int(line) for line in Path(sys.argv[1]).read_text().split())
-options = DriverOptions(source="sim:tour", device="memory", copilot="")
-people = People(Path(sys.argv[2]), find_seated=seated)
+source, seats, people = sys.argv[1:]
+seated = lambda: tuple(int(line) for line in Path(seats).read_text().split())
+options = DriverOptions(source=source, device="memory", copilot="")
+people = People(Path(people), find_seated=seated)
 with Driver(options, guests=seated, people=people) as driver:
     driver.run(stop=stop_on_signals())
 """
@@ -81,6 +83,7 @@ class Place:
                 **os.environ,
                 "PATH": f"{self.folder}/bin:{os.environ['PATH']}",
                 "XDG_CONFIG_HOME": str(self.folder / home),
+                **offer_repeated(self.folder / "packages"),
             },
             stdout=subprocess.DEVNULL,
             stderr=subprocess.PIPE,
@@ -95,7 +98,7 @@ class Place:
     @contextmanager
     def serve(self):
         seated, people = str(self.folder / "seated"), str(self.folder / "state/people")
-        command = (sys.executable, "-c", PLAY, seated, people)
+        command = (sys.executable, "-c", PLAY, f"repeated:{find_tour()}", seated, people)
         with self.start(*command, user=SERVICE, home="machine") as process:
             wait_until(is_running)
             yield process
@@ -118,7 +121,7 @@ def is_running() -> bool:
 
 def go_on() -> None:
     """Waits until the driver has played some seconds more, with several movements."""
-    until = ask_status()["slices"] + 1500
+    until = ask_status()["slices"] + 700
     wait_until(lambda: ask_status()["slices"] > until)
 
 
@@ -175,7 +178,8 @@ def test_a_person_who_leaves_the_seat_hears_nothing_until_the_return(place):
 
 def test_a_driver_of_the_person_is_heard_once(place):
     place.values.write_text("version: 1\nfeedback: {sound: tones}\n")
-    run = (*PROGRAM, "run", "--source", "sim:tour", "--device", "memory", "--show", "nothing")
+    source = f"repeated:{find_tour()}"
+    run = (*PROGRAM, "run", "--source", source, "--device", "memory", "--show", "nothing")
     os.chown(place.folder / "run", PERSON, PERSON)
     with place.start(*run, user=PERSON) as driver, place.connect() as session:
         wait_until(is_running)
