@@ -54,6 +54,8 @@ PINCH = "when: {gesture: pinch, %s}, do: {button: a}"
             ["NT207"],
         ),
         (several(PINCH % "press: tap", "when: pinch, do: {button: b}"), ["NT208"]),
+        (several(PINCH % "press: tap, on_mm: 5", "when: pinch, do: {button: b}"), ["NT208"]),
+        (several(PINCH % "press: tap", PINCH % "on_mm: 10"), []),  # a light tap presses nothing
         (
             f"{HEAD}layers:\n  - {{name: a, bindings: [{{when: pinch, do: {{button: a}}}}]}}\n"
             "  - {name: b, bindings: [{when: zoom, do: {layer: a}}]}\n",

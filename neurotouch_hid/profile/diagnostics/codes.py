@@ -188,7 +188,8 @@ CODES: Final[dict[str, Explanation]] = {
     "NT208": Explanation(
         "a hold behind a press at once",
         "A binding without 'press' acts as soon as its gesture begins, and so also before every "
-        "tap, double and hold of the same gesture. Give it 'press: tap' if that is not meant.",
+        "tap, double and hold of the same gesture. Give it 'press: tap', or a larger 'on_mm' than "
+        "theirs, if that is not meant.",
     ),
     "NT209": Explanation(
         "a layer that nothing leads to",

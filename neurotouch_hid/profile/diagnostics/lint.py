@@ -145,7 +145,9 @@ def _check_beside(
     later = [
         f"'{describe_binding(other)}'{_name_line(lines.get(id(other)))}"
         for other in others
-        if other.condition.press is not None and other.condition.level == condition.level
+        if other.condition.press is not None
+        and other.condition.level == condition.level
+        and other.thresholds_mm[0] >= binding.thresholds_mm[0]
     ]
     if condition.press is None and later:
         words = f"'{describe_binding(binding)}' acts first, each time that you make"
