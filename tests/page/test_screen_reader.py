@@ -136,7 +136,7 @@ def test_a_calibration_says_each_step_and_loses_no_focus(view, own, open_page):
     reader.wait_to_hear("3 of 10: Push to the left, as far as is comfortable")
     page.locator("[data-answer=q]").press("Enter")
     reader.wait_to_hear("Ended. Nothing was saved.")
-    assert reader.focus() == ("button", "Measure my range again")
+    wait_on(page, lambda: reader.focus() == ("button", "Measure my range again"))
     reader.wait_to_hear("Running.")
     steps = [text for text in reader.heard() if " of 10: " in text]
     assert [text.split()[0] for text in steps] == ["1", "2", "3"]

@@ -9,6 +9,7 @@ from tests.cli.test_session import PLAY
 from tests.page.conftest import PROFILE
 from tests.page.waiting import wait_for, wait_on
 from tests.processes import Process, View
+from tests.repeated import find_tour, offer_repeated
 
 ON = "[data-movement=pinch] .mark-on_mm"
 
@@ -19,9 +20,15 @@ class Service(Process):
     def __init__(self, folder) -> None:
         seated = folder / "seated"
         seated.write_text(f"{os.getuid()}\n")
-        program = [sys.executable, "-c", PLAY, str(seated), str(folder / "state/people")]
+        places = [str(seated), str(folder / "state/people")]
         (folder / "state").mkdir()
-        super().__init__(folder, program=program, ready="", XDG_CONFIG_HOME=str(folder / "machine"))
+        super().__init__(
+            folder,
+            program=[sys.executable, "-c", PLAY, f"repeated:{find_tour()}", *places],
+            ready="",
+            XDG_CONFIG_HOME=str(folder / "machine"),
+            **offer_repeated(folder / "packages"),
+        )
         self.wait((folder / "run/control").exists)
 
     def read_copy(self) -> str:
