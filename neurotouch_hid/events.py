@@ -1,4 +1,4 @@
-"""Copies, joins and picks events, quickly, and with the bytes that pad each of them."""
+"""Copies, joins, picks and shifts events, quickly, and with the bytes that pad each of them."""
 
 from collections.abc import Sequence
 from typing import Final
@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from neurotouch_hid.messages import EVENT_DTYPE
+from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 
 _BLOCK: Final = np.dtype(("V", EVENT_DTYPE.itemsize))
 """An event as plain bytes. numpy copies records field by field: several times as slowly, and what
@@ -39,3 +39,26 @@ def pick_events(
         which: (n,) intp, their places, or (m,) bool, True for each that is wanted.
     """
     return events.view(_BLOCK)[which].view(EVENT_DTYPE)
+
+
+def shift_packet(
+    packet: EventPacket, shift_us: int, events: NDArray[np.void] | None = None
+) -> EventPacket:
+    """Returns a slice moved to another time.
+
+    Args:
+        packet: the slice.
+        shift_us: added to its stamps.
+        events: its new events; if None, it keeps its own.
+    """
+    if events is None and not shift_us:
+        return packet
+    if events is None:
+        events = copy_events(packet.events)
+        events["t"] += shift_us
+    frames = tuple(
+        Frame(f.pixels, f.exposure_begin_us + shift_us, f.exposure_end_us + shift_us)
+        for f in packet.frames
+    )
+    begin_us, end_us = packet.t_begin_us + shift_us, packet.t_end_us + shift_us
+    return EventPacket(begin_us, end_us, events, frames, packet.gap, packet.is_partial)

@@ -100,18 +100,11 @@ class Process:
 class Driver(Process):
     """``neurotouch run`` on a simulated gel, whose tour was recorded."""
 
-    def __init__(self, folder: Path, source: str = "", profile: str = "mine") -> None:
+    def __init__(self, folder: Path, source: str | None = None, profile: str = "mine") -> None:
+        source = source or f"repeated:{find_tour()}"
         super().__init__(
             folder,
-            *(
-                "run",
-                "--source",
-                source or f"repeated:{find_tour()}",
-                "--device",
-                "memory",
-                "--profile",
-                profile,
-            ),
+            *("run", "--source", source, "--device", "memory", "--profile", profile),
             *("--show", "nothing"),
             ready="Gamepad ready",
             **offer_repeated(folder / "packages"),

@@ -11,6 +11,7 @@ from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 
+from neurotouch_hid.events import shift_packet
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source import open_source
 
@@ -67,38 +68,18 @@ class Repeated:
     """A recording that begins again at its end."""
 
     def __init__(self, rest: str, *, slice_us: int, seed: int) -> None:
-        self._name, self._slice_us = f"file:{rest}", slice_us
-        with self._open() as source:
-            self.name, self.rig = "repeated:tour", source.rig
-            self.is_live, self.is_simulated = False, True
+        self._source = open_source(f"file:{rest}", slice_us=slice_us, speed="max")
+        self.name, self.rig = "repeated:tour", self._source.rig
+        self.is_live, self.is_simulated = False, True
 
     def __iter__(self) -> Iterator[EventPacket]:
         """Yields packets for ever."""
         later_us = 0
         while True:
-            with self._open() as source:
-                for packet in source:
-                    yield shift(packet, later_us)
+            for packet in self._source:
+                yield shift_packet(packet, later_us)
             later_us += packet.t_end_us
 
     def close(self) -> None:
-        """Nothing is open between two packets."""
-
-    def _open(self):
-        return open_source(self._name, slice_us=self._slice_us, speed="max")
-
-
-def shift(packet: EventPacket, later_us: int) -> EventPacket:
-    """Returns a packet of a later time."""
-    events = packet.events.copy()
-    events["t"] += later_us
-    begin_us, end_us = packet.t_begin_us + later_us, packet.t_end_us + later_us
-    frames = tuple(
-        replace(
-            each,
-            exposure_begin_us=each.exposure_begin_us + later_us,
-            exposure_end_us=each.exposure_end_us + later_us,
-        )
-        for each in packet.frames
-    )
-    return replace(packet, t_begin_us=begin_us, t_end_us=end_us, events=events, frames=frames)
+        """Closes the recording."""
+        self._source.close()

@@ -16,8 +16,8 @@ import numpy as np
 from neurotouch_devtools.emulator import Fault
 
 from neurotouch_hid.closing import Closing
-from neurotouch_hid.evaluation.speed.workload import load_scene, shift_packet
-from neurotouch_hid.events import join_events
+from neurotouch_hid.evaluation.speed.workload import load_scene
+from neurotouch_hid.events import join_events, shift_packet
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EVENT_DTYPE, EventPacket, Frame
 from neurotouch_hid.source.davis import DavisSource

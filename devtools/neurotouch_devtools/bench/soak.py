@@ -11,7 +11,8 @@ import numpy as np
 
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.driver import REFERENCE, Driver, DriverOptions
-from neurotouch_hid.evaluation.speed.workload import TOUR_US, load_scene, shift_packet
+from neurotouch_hid.evaluation.speed.workload import TOUR_US, load_scene
+from neurotouch_hid.events import shift_packet
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import EventPacket, Step
 from neurotouch_hid.process.gc_freeze import freeze_gc

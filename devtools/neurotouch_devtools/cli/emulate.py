@@ -190,33 +190,16 @@ def _plug_in(camera: "Camera", words: str, seconds: float | None) -> None:
 
 def _repeat(packets: "Iterable[EventPacket]") -> "Iterator[EventPacket]":
     """Repeats the packets of a source, with times that continue."""
-    from dataclasses import replace
+    from neurotouch_hid.events import shift_packet
 
-    shift_us = 0
+    now_us = 0
     while True:
-        begin_us: int | None = None
+        shift_us: int | None = None
         for packet in packets:
-            if begin_us is None:
-                begin_us = packet.t_begin_us
-                shift_us -= begin_us
-            events = packet.events.copy()
-            events["t"] += shift_us
-            frames = tuple(
-                replace(
-                    frame,
-                    exposure_begin_us=frame.exposure_begin_us + shift_us,
-                    exposure_end_us=frame.exposure_end_us + shift_us,
-                )
-                for frame in packet.frames
-            )
-            end_us = packet.t_end_us + shift_us
-            yield replace(
-                packet,
-                t_begin_us=packet.t_begin_us + shift_us,
-                t_end_us=end_us,
-                events=events,
-                frames=frames,
-            )
-        if begin_us is None:
+            if shift_us is None:
+                shift_us = now_us - packet.t_begin_us
+            moved = shift_packet(packet, shift_us)
+            now_us = moved.t_end_us
+            yield moved
+        if shift_us is None:
             return
-        shift_us = end_us

@@ -12,14 +12,13 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.closing import Closing
 from neurotouch_hid.evaluation.speed.kernels.event_load import fill_slice
-from neurotouch_hid.events import copy_events
+from neurotouch_hid.events import shift_packet
 from neurotouch_hid.geometry import Rig
 from neurotouch_hid.messages import (
     EVENT_DTYPE,
     SENSOR_HEIGHT_PX,
     SENSOR_WIDTH_PX,
     EventPacket,
-    Frame,
 )
 from neurotouch_hid.source.simulator import Simulator, find_scene, scene_config
 
@@ -66,30 +65,6 @@ def load_scene(
             packets.append(packet)
             markers.append(simulator.truth(packet.t_begin_us + slice_us // 2).markers_px)
     return LoopScene(tuple(packets), np.array(markers, np.float32))
-
-
-def shift_packet(
-    packet: EventPacket, shift_us: int, events: NDArray[np.void] | None = None
-) -> EventPacket:
-    """Returns a slice moved to another time.
-
-    Args:
-        packet: the slice.
-        shift_us: added to its stamps.
-        events: its new events; if None, it keeps its own.
-    """
-    if events is None and not shift_us:
-        return packet
-    if events is None:
-        events = copy_events(packet.events)
-        events["t"] += shift_us
-    frames = tuple(
-        Frame(f.pixels, f.exposure_begin_us + shift_us, f.exposure_end_us + shift_us)
-        for f in packet.frames
-    )
-    return EventPacket(
-        packet.t_begin_us + shift_us, packet.t_end_us + shift_us, events, frames, packet.gap
-    )
 
 
 class DenseSource(Closing):

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from neurotouch_hid.events import copy_events
+from neurotouch_hid.events import shift_packet
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source.simulator.setup import ClockChange
 
@@ -34,24 +34,8 @@ class Clock:
         """Returns a packet with the camera's stamps, without frames begun before a change."""
         shift_us = self._shift(packet.t_begin_us)
         since_us = self.find_last_change(packet.t_begin_us)
-        events = copy_events(packet.events)
-        events["t"] += shift_us
-        frames = tuple(
-            replace(
-                frame,
-                exposure_begin_us=frame.exposure_begin_us + shift_us,
-                exposure_end_us=frame.exposure_end_us + shift_us,
-            )
-            for frame in packet.frames
-            if frame.exposure_begin_us >= since_us
-        )
-        return replace(
-            packet,
-            t_begin_us=packet.t_begin_us + shift_us,
-            t_end_us=packet.t_end_us + shift_us,
-            events=events,
-            frames=frames,
-        )
+        frames = tuple(each for each in packet.frames if each.exposure_begin_us >= since_us)
+        return shift_packet(replace(packet, frames=frames), shift_us)
 
     def find_last_change(self, t_us: int) -> int:
         """Returns when the clock began to run as at this moment."""

@@ -15,6 +15,7 @@ from neurotouch_devtools.emulator import CameraConfig, EmulatedCamera, Identity,
 
 from neurotouch_hid.client import ask
 from neurotouch_hid.errors import DriverError
+from neurotouch_hid.events import shift_packet
 from neurotouch_hid.messages import EventPacket
 from neurotouch_hid.source import open_source
 from neurotouch_hid.source.davis import find_cameras
@@ -149,29 +150,8 @@ def see(packets: list[EventPacket], pressed: Callable[[], bool]) -> Iterator[Eve
     now_us = 0
     while True:
         for packet in packets if pressed() else rest:
-            yield move(packet, now_us - packet.t_begin_us)
+            yield shift_packet(packet, now_us - packet.t_begin_us)
             now_us += packet.t_end_us - packet.t_begin_us
-
-
-def move(packet: EventPacket, by_us: int) -> EventPacket:
-    """The same at another time."""
-    events = packet.events.copy()
-    events["t"] += by_us
-    frames = tuple(
-        replace(
-            frame,
-            exposure_begin_us=frame.exposure_begin_us + by_us,
-            exposure_end_us=frame.exposure_end_us + by_us,
-        )
-        for frame in packet.frames
-    )
-    return replace(
-        packet,
-        t_begin_us=packet.t_begin_us + by_us,
-        t_end_us=packet.t_end_us + by_us,
-        events=events,
-        frames=frames,
-    )
 
 
 def serve(orders: Connection, packets: list[EventPacket], pace: float) -> None:

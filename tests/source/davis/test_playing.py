@@ -4,7 +4,8 @@ import threading
 import time
 
 from neurotouch_hid.device import MemoryDevice
-from neurotouch_hid.evaluation.speed.workload import load_scene, shift_packet
+from neurotouch_hid.evaluation.speed.workload import load_scene
+from neurotouch_hid.events import shift_packet
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.messages import GestureKind
 from neurotouch_hid.profile import load_profile
