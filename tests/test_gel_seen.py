@@ -24,6 +24,7 @@ from neurotouch_hid.source.simulator import Simulator, find_scene
 from neurotouch_hid.source.simulator.config import CameraConfig, LightConfig, SimulatorConfig
 from neurotouch_hid.source.simulator.nuisances.mount import BUMP_AT
 from neurotouch_hid.source.simulator.setup import USUAL_US
+from neurotouch_hid.tracker.diagnosis import Diagnosis
 
 WITHIN_S = 3.0
 FACTS = {
@@ -83,6 +84,13 @@ def slide(frame: Frame) -> Frame:
     return replace(frame, pixels=pixels)
 
 
+def draw_back(frame: Frame) -> Frame:
+    """The camera is drawn back, until the gel is half as wide."""
+    pixels = np.full_like(frame.pixels, 5)
+    pixels[65:195, 86:259] = frame.pixels[::2, ::2]
+    return replace(frame, pixels=pixels)
+
+
 LED_OFF = SimulatorConfig(light=LightConfig(white_dn=12.0, black_dn=1.0, spot_dn=10.0))
 VIDEO = {"uvc": 60.0, "gamma": 2.2}
 RIGHT, LEFT = {"decentring": 150.0}, {"decentring": -150.0}
@@ -120,6 +128,7 @@ CONDITIONS = {
         GelProblem.MOVED, "it has moved by ", {"turn": 10.0}, "twist-cw", is_found=True
     ),
     "goes-dark": Condition(GelProblem.DARK, "lost: the picture is", begin_s=0.6, change=darken),
+    "goes-back": Condition(GelProblem.SMALL, "lost: the gel is", begin_s=0.6, change=draw_back),
     "slides-out": Condition(GelProblem.OUTSIDE, "lost: a part", begin_s=0.6, change=slide),
 }  # fmt: skip
 
@@ -205,6 +214,22 @@ def test_nothing_is_said_of_a_gel_that_is_played_as_usual():
     assert (status["text"], status["missing"], status["glints"]) == ("found", [], 0)
     assert status["px_per_mm"] == pytest.approx(2.56, abs=0.02)
     assert status["blur_px"] < 1.0
+
+
+def test_a_strong_stroke_is_not_looked_at_as_if_the_gel_had_gone(monkeypatch):
+    """A diagnosis takes 10 ms, in which play is late."""
+    explained = []
+    explain = Diagnosis.explain
+
+    def note(*args, **options):
+        explained.append(args)
+        return explain(*args, **options)
+
+    monkeypatch.setattr(Diagnosis, "explain", note)
+    play = Play(Condition(GelProblem.DARK, "", scene="fast"))
+    play.run(3.0)
+    assert play.pipeline.rest.detector.stats().n_references == 1
+    assert not explained
 
 
 def test_a_lens_out_of_focus_is_not_taken_for_a_hand_that_rests():

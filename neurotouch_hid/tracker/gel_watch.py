@@ -26,7 +26,8 @@ _STEADY_PX: Final = 1.0  # a slow push changes more
 _NO_FRAMES_US: Final = 500_000  # a camera sends its first picture sooner
 _LIGHT_SHARE: Final = 0.9  # of the markers are near their places under a light touch
 _SEEN_SHARE: Final = 0.5  # of the markers must be bright dots, wherever a touch moves them
-_WHOLE_SHARE: Final = 0.9  # of the markers; a gel that is partly outside of the picture shows fewer
+_WHOLE_SHARE: Final = 0.9  # of the markers are on a gel that is held; one that has gone shows fewer
+_ELSEWHERE: Final = GelProblem.OUTSIDE, GelProblem.SMALL, GelProblem.LARGE
 
 
 class GelWatch:
@@ -171,16 +172,14 @@ class GelWatch:
             return None
         apart_px = np.hypot(*(blobs.centroid_px - self._centre_px).T)
         n_inside = int((apart_px < self._radius_px).sum())
-        unseen = n_inside < share
+        if n_inside >= _WHOLE_SHARE * self._n_found:
+            return None  # at once: a diagnosis takes 10 ms, and play would wait for it
         if self._is_due(frame.t_us, GelProblem.NO_DOTS):
             self._seen = self._diagnosis.explain(
                 frame, blobs, None, GelProblem.NO_DOTS, moves=False
             )
-        problem = self._seen.problem
-        # Specks at the border of the picture look like a gel that reaches beyond it.
-        is_cut = problem is GelProblem.OUTSIDE and n_inside < _WHOLE_SHARE * self._n_found
-        elsewhere = is_cut or problem in (GelProblem.SMALL, GelProblem.LARGE)
-        return self._seen if unseen or elsewhere else None
+        elsewhere = self._seen.problem in _ELSEWHERE
+        return self._seen if n_inside < share or elsewhere else None
 
     def _describe(
         self, frame: Frame, blobs: Blobs, blob: NDArray[np.integer], bend_px: float
