@@ -6,7 +6,6 @@ soon as one must be compiled.
 
 import os
 import pickle
-import platform
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -262,5 +261,6 @@ def _list_levels() -> list[tuple[object, ...]]:
 
 @cache
 def _describe_compiler() -> tuple[str, str]:
-    numba_version = sha256((find_numba() / "_version.py").read_bytes()).hexdigest()
-    return platform.python_version(), numba_version
+    # Within a minor version Python's interface for machine code stays; numba's cache relies on it.
+    python = f"{sys.implementation.cache_tag}{sys.abiflags}"
+    return python, sha256((find_numba() / "_version.py").read_bytes()).hexdigest()

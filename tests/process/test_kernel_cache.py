@@ -306,6 +306,17 @@ def test_another_processor_has_files_of_its_own(copy):
     assert call(copy, NUMBA_CPU_NAME="generic", NUMBA_CPU_FEATURES="") == (6, "loaded")
 
 
+@pytest.mark.parametrize(
+    ("change", "how"),
+    [("platform.python_version = lambda: '3.99.1'", "loaded"), ("sys.abiflags = 't'", "compiled")],
+)
+def test_an_update_within_a_minor_version_of_python_compiles_nothing(copy, change, how):
+    assert call(copy) == (6, "compiled")
+    find_kept(copy, "nbc").unlink()
+    said = say(f"import platform, sys; {change}\n{CALL}", copy)
+    assert said.split(" ", 2)[:2] == ["6", how]
+
+
 @needs_levels
 def test_code_that_came_with_a_package_is_loaded_by_everybody(copy, tmp_path):
     put_into_package(copy, "x86-64-v2")
