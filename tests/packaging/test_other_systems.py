@@ -100,6 +100,7 @@ def test_settings_stay_at_an_upgrade():
         ("sh", "arch/neurotouch-hid.install"),
         ("sh", "lay-out.sh"),
         ("sh", "compile-kernels.sh"),
+        ("sh", "add-kernels.sh"),
         ("sh", "sysext/build.sh"),
     ],
 )

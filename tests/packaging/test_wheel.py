@@ -1,6 +1,7 @@
 """Wheel and sdist: everything inside, and found by an installation far from any checkout."""
 
 import os
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from neurotouch_hid.process.processor import find_levels, read_abilities
 from neurotouch_hid.resources import find_resources
 from tests.processes import run_command
 
@@ -35,11 +37,14 @@ def python(built, tmp_path_factory) -> Path:
     """A fresh environment with the wheel; what it depends on is lent by this one."""
     folder = tmp_path_factory.mktemp("fresh")
     venv.create(folder, with_pip=False, symlinks=True)
+    install(built, next(folder.glob("lib/python*/site-packages")))
+    return folder / "bin/python"
+
+
+def install(built: Path, site: Path) -> None:
     wheel = next(built.glob("*.whl"))
-    site = next(folder.glob("lib/python*/site-packages"))
     target = ["--target", str(site), "--no-deps", "--no-index", "--quiet", str(wheel)]
     subprocess.run([sys.executable, "-m", "pip", "install", *target], check=True)
-    return folder / "bin/python"
 
 
 def run(python: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -101,3 +106,37 @@ def test_installed_commands_use_them(python):
     setup = run(python, "-m", "neurotouch_hid", "setup", "--dry-run")
     assert setup.returncode == 0, setup.stderr
     assert 'KERNEL=="uinput"' in setup.stdout
+
+
+@pytest.mark.skipif(not find_levels(read_abilities()), reason="needs a processor with x86-64-v2")
+def test_kernels_in_the_wheel_are_loaded_and_nothing_is_compiled(built, tmp_path):
+    library, site, cache = tmp_path / "library", tmp_path / "site", tmp_path / "cache"
+    install(built, library)
+    level = {"NUMBA_CPU_NAME": "x86-64-v2", "NUMBA_CPU_FEATURES": ""}
+    assert select_median(library, level) == "2.0 compiled"
+    shutil.copy(next(built.glob("*.whl")), tmp_path)
+    subprocess.run(
+        [ROOT / "packaging/add-kernels.sh", *tmp_path.glob("*.whl"), library],
+        env={**os.environ, "PYTHON": sys.executable},
+        check=True,
+        capture_output=True,
+    )
+    install(tmp_path, site)
+    assert select_median(site, {"NUMBA_CACHE_DIR": str(cache)}) == "2.0 loaded"
+    assert not cache.exists()
+
+
+def select_median(site: Path, environment: dict[str, str]) -> str:
+    """What a kernel of an installed package answers, and how it came about."""
+    code = (
+        "import sys; import numpy as np\n"
+        "from neurotouch_hid.kernels.order_statistics import select\n"
+        "median = select(np.array([3.0, 1.0, 2.0]), 1)\n"
+        "print(median, 'compiled' if 'numba' in sys.modules else 'loaded')"
+    )
+    own = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA")}
+    paths = f"{site}:{sysconfig.get_path('purelib')}"
+    done = run_command(
+        sys.executable, "-c", code, cwd=site, env={**own, "PYTHONPATH": paths, **environment}
+    )
+    return done.stdout.strip()
