@@ -295,9 +295,10 @@ def _ask_at(folder: Path, question: bytes, patience_s: float) -> tuple[Reply, so
         # Nobody is there: no socket, or one that its driver has left behind.
         raise NotRunningError(NOT_RUNNING, hint=explain_start()) from None
     except TimeoutError:
-        raise DriverError(
-            "The driver does not answer.", hint="Is it still starting? Try again in a moment."
-        ) from None
+        fix = "If it still starts, it takes the command when it is ready."
+        if pid := read_pid(folder):
+            fix += f" To end it now: kill {pid}"
+        raise DriverError("The driver does not answer.", hint=fix) from None
     except OSError as error:
         raise DriverError(f"The driver cannot be reached: {error.strerror} ({path}).") from None
     except ValueError:

@@ -13,6 +13,7 @@ from neurotouch_hid.messages import SENSOR_HEIGHT_PX, SENSOR_WIDTH_PX, GelProble
 from neurotouch_hid.status import GelFacts
 
 _MOST_NAMED: Final = 8
+_GEL_FILES: Final = "--gel, NAME.gel.yaml beside a recording, or gel.yaml"
 MOST_OFF: Final = 0.15
 """Share of the pitch by which a dot may be off its place."""
 
@@ -194,9 +195,12 @@ def require_gel(gel: GelState, source: str = "this source", *, is_told: bool = F
         )
     if not gel.was_found:
         sentence, made = explain_gel(gel), gel.layout
-        called = "" if made is PAPER_GEL else f" '{made.name}' of {made.n_markers} dots"
+        called, fix = "", sentence.fix
+        if made is not PAPER_GEL:
+            called = f" '{made.name}' of {made.n_markers} dots"
+            fix += f" Is '{made.name}' another gel? It comes from {_GEL_FILES}."
         raise GelNotFoundError(
-            f"No gel{called} was found in {source}: {sentence.why}.", hint=sentence.fix or None
+            f"No gel{called} was found in {source}: {sentence.why}.", hint=fix.strip() or None
         )
 
 

@@ -3,7 +3,7 @@
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -114,8 +114,7 @@ def command(
 
     _require_place(out, source, force=force)
     rig = _read_rig(source)
-    if out.exists():
-        _spare_handwork(out, has_rig=bool(rig))
+    _spare_handwork(out, gel, has_rig=bool(rig))
     if gel is not None and source == RUNNING_DRIVER:
         raise ProfileError(
             "The driver that runs knows its gel, so --gel has no place here.",
@@ -228,17 +227,21 @@ def _require_place(out: Path, source: str, *, force: bool) -> None:
         )
 
 
-def _spare_handwork(out: Path, *, has_rig: bool) -> None:
-    """Refuses to replace a recording that a person has made labels or a rig for."""
-    from neurotouch_hid.recording import labels_path
+def _spare_handwork(out: Path, gel: str | None, *, has_rig: bool) -> None:
+    """Refuses a recording beside which labels, a rig or a gel of an older one are kept."""
+    from neurotouch_hid.recording import gel_path, labels_path
     from neurotouch_hid.source.rig_file import rig_path
 
-    for made in (labels_path(out), *(() if has_rig or is_clip(out) else (rig_path(out),))):
-        if made.exists():
-            raise RecordingError(
-                f"'{made}' belongs to the recording that would be replaced.",
-                hint="Give another name, or move that file away first.",
-            )
+    kept = [labels_path(out), *(() if has_rig or is_clip(out) else (rig_path(out),))]
+    if not out.exists() and gel != str(gel_path(out)):
+        kept.append(gel_path(out))  # that of a recording that is replaced goes with it
+    for made in kept:
+        with suppress(OSError):  # its name is too long, so it is not there
+            if made.exists():
+                raise RecordingError(
+                    f"'{made}' belongs to an older recording.",
+                    hint="Give another name, or move that file away first.",
+                )
 
 
 def _require_events(opened: _Opened) -> None:

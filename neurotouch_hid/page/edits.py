@@ -47,6 +47,8 @@ MARKS: Final = {
 }
 """The marks that can be changed, and the page's words for each."""
 
+_MOST_NAMED: Final = 3
+
 
 @dataclass(frozen=True, slots=True)
 class Wish:
@@ -166,19 +168,21 @@ class Changes:
         return f"'{name}' is your own copy of {template}. {self.use(name)}".rstrip()
 
     def undo(self, path: Path) -> str:
-        """Undoes the last change.
+        """Undoes the last change; returns a sentence about it.
 
         Raises:
             ProfileError: there is none.
             DriverError: as ``set``.
         """
-        self._take(path).store.undo()
+        undone = self._take(path)
+        undone.store.undo()
         restored = self._take(path)
         effect = hand_over_restored(restored)
         if effect.status != "OK":
             raise DriverError(f"Back, but not in use. {effect.said}", hint="Press Undo once more.")
         said = describe_effect(effect)
-        return f"{restored.name} is as before that change. {said}"
+        changed = _name_changed(undone, restored)
+        return f"{changed}{restored.name} is as before that change. {said}"
 
     def _take(self, path: Path) -> EditedFile:
         if not is_editable(path):
@@ -217,6 +221,27 @@ def _describe(binding: Binding, mark: str, value: Any) -> str:
     if mark in ("rest", "full"):
         number += " mm/s" if getattr(binding.do, "follow", "") == "speed" else " mm"
     return f"{when} → {describe_target(binding.do)} {MARKS[mark].format(number)}"
+
+
+def _name_changed(undone: EditedFile, restored: EditedFile) -> str:
+    """Returns for example ``Back: pinch → button a. ``; nothing if no binding is known to differ.
+
+    Many are only counted, because a screen reader says them all.
+    """
+    was, now = _list_bindings(undone), _list_bindings(restored)
+    back = [binding for binding in now if binding not in was]
+    changed = back or [binding for binding in was if binding not in now]
+    if not (was and changed):
+        return ""
+    named = [f"{say_when(describe_when(each))} → {describe_target(each.do)}" for each in changed]
+    said = ", ".join(named) if len(named) <= _MOST_NAMED else f"{len(named)} bindings"
+    return f"{'Back' if back else 'Removed'}: {said}. "
+
+
+def _list_bindings(edited: EditedFile) -> list[Binding]:
+    """Returns all bindings of a profile; none if it has errors."""
+    written = edited.check(edited.text).written
+    return [place.binding for place in list_places(written)] if isinstance(written, Profile) else []
 
 
 def _find_place(path: Path, key: str) -> Place:

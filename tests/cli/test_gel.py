@@ -74,6 +74,14 @@ def test_a_file_that_is_there_stays(home):
     assert choose_gel(str(home / "mine.yaml")).gel.name == "try"
 
 
+@pytest.mark.parametrize("words", [(), ("config/neurotouch/mine.yaml",)])
+def test_a_gel_that_cannot_be_written_is_a_fault_of_its_file(home, words):
+    (home / "config").write_text("no folder")
+    output, code = run("new", *words, *ANSWERS)
+    assert code == 6
+    assert "cannot be written: Not a directory." in output
+
+
 def test_the_next_step_can_be_typed_as_it_is_written(home):
     output, code = run("new", "my own.yaml", *ANSWERS)
     assert code == 0
@@ -130,7 +138,7 @@ def test_a_width_that_was_calculated_is_rounded(home):
             (("new", "a.yaml", *ANSWERS, f"--name={name}"), 2, "cannot be used")
             for name in ("a b", "", "Ann", "-x", "a\nb", "g\udce9l")
         ),
-        (("new", "none/a.yaml", *ANSWERS), 1, "'none/a.yaml' cannot be written"),
+        (("new", "none/a.yaml", *ANSWERS), 6, "'none/a.yaml' cannot be written"),
         (("show", "nothing.yaml"), 6, "nothing.yaml"),
         (("make", "out", "--gel", "nothing"), 6, "nothing"),
         (("check", "sim:nothing"), 3, "nothing"),

@@ -118,10 +118,23 @@ def test_a_recording_that_a_person_has_worked_on_is_not_replaced(tmp_path, recor
     made.write_text("hours of work")
     done = record(path, *quick, "--force")
     assert done.returncode == 4
-    assert f"Error: '{made}' belongs to the recording that would be replaced.\n" in done.stderr
+    assert f"Error: '{made}' belongs to an older recording.\n" in done.stderr
     assert (path.read_bytes(), made.read_text()) == (b"precious", "hours of work")
     made.rename(tmp_path / "elsewhere")
     assert record(path, *quick, "--force").returncode == 0
+
+
+@pytest.mark.parametrize("ending", ["labels.csv", "rig.yaml", "gel.yaml"])
+def test_files_of_a_recording_that_has_gone_do_not_pass_to_a_new_one(
+    tmp_path, record, quick, ending
+):
+    path, made = tmp_path / "a.aedat4", tmp_path / f"a.{ending}"
+    made.write_text("hours of work")
+    done = record(path, *quick)
+    assert done.returncode == 4
+    assert f"Error: '{made}' belongs to an older recording.\n" in done.stderr
+    assert made.read_text() == "hours of work"
+    assert not path.exists()
 
 
 @pytest.mark.parametrize("name", ["a.mp4", "-", "a"])

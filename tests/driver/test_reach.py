@@ -132,6 +132,18 @@ def test_one_that_does_not_answer_keeps_no_other_waiting(own, capsys, monkeypatc
     assert "Error: Your driver: The driver does not answer." in capsys.readouterr().err
 
 
+def test_stop_says_how_to_end_a_driver_that_still_starts(own, capsys, monkeypatch):
+    """Its socket is there while it compiles, for a minute or more, and the command waits in it."""
+    monkeypatch.setattr(client, "_PATIENCE_S", 0.3)
+    with ControlSocket(own):
+        assert send_command("stop") == 8
+    assert capsys.readouterr().err == (
+        "Error: Your driver: The driver does not answer.\n"
+        "Fix: If it still starts, it takes the command when it is ready. "
+        f"To end it now: kill {os.getpid()}\n"
+    )
+
+
 def test_every_player_is_reached_although_the_first_refuses(own, capsys):
     heard = []
     second = own.with_name("neurotouch-2")

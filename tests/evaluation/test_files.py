@@ -131,8 +131,10 @@ def test_a_recording_without_a_gel_is_refused(recordings, tmp_path):
         evaluate_files([path], PAPER)
     made = "version: 1\nname: mine\nlayout: {kind: hex, pitch_mm: 4.0, radius_mm: 24}\n"
     path.with_suffix(".gel.yaml").write_text(made)
-    with pytest.raises(GelNotFoundError, match=r"No gel 'mine' of 127 dots was found in '"):
+    with pytest.raises(GelNotFoundError, match=r"No gel 'mine' of 127 dots was found in '") as told:
         evaluate_files([path], PAPER)
+    source = "It comes from --gel, NAME.gel.yaml beside a recording, or gel.yaml."
+    assert (told.value.hint or "").endswith(f"Is 'mine' another gel? {source}")
 
 
 def test_a_rig_file_that_says_the_wrong_place_is_named(recordings, tmp_path):

@@ -118,6 +118,19 @@ def test_a_mark_changes_one_line_and_undo_brings_it_back(
     assert mine.read_text() == LAYERS
 
 
+def test_each_undo_says_which_binding_it_changes(mine, changes, monkeypatch, tmp_path):
+    """The same words twice would leave open what the second press has undone."""
+    monkeypatch.setenv("RUNTIME_DIRECTORY", str(tmp_path / "run"))
+    changes.set(mine, "pinch", "on_mm", 3)
+    changes.bind(mine, Wish("zoom", "tap", "", "button b", "", ""))
+    assert changes.undo(mine).startswith("Removed: zoom tap → button b. mine is as before ")
+    assert changes.undo(mine).startswith("Back: pinch from 4 mm → toggle layer menu. mine is ")
+    mine.write_text(LAYERS.replace("version: 1", "version: 1\ndescription: mine"))
+    assert changes.undo(mine).startswith("mine is as before that change.")
+    mine.write_text("bindings: [")
+    assert changes.undo(mine).startswith("mine is as before that change.")
+
+
 def test_a_shipped_profile_is_copied_and_stays(mine, changes):
     shipped = (find_shipped_folder() / "default.yaml").resolve()
     before = shipped.read_bytes()

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import click
 
 from neurotouch_hid.cli.ui.options import Finite, PlainName
-from neurotouch_hid.cli.ui.output import choose, echo, save_text
+from neurotouch_hid.cli.ui.output import choose, echo
 from neurotouch_hid.cli.ui.usage_errors import WrongUsage
 from neurotouch_hid.errors import ProfileError
+from neurotouch_hid.partial_file import write_whole
 
 if TYPE_CHECKING:
     from neurotouch_hid.driver.making_settings import Camera
@@ -86,9 +87,12 @@ def command(
     chosen_way = next(each for each in WAYS if each == way)
     text = write_gel_file(name, chosen, HANDS[hand], chosen_way)
     plan = make_plan(parse_settings(text.encode(), str(path), GelSettings))
-    if file is None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    save_text(path, text)
+    try:
+        if file is None:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, text.encode())
+    except OSError as error:
+        raise ProfileError.of_writing(path, error) from error
     echo(f"'{path}' is written: {plan.gel.n_markers} dots, camera {plan.distance:.0f} mm below.")
     option = "" if file is None else f" --gel {shlex.quote(str(path))}"
     echo(f"Next: neurotouch gel make my-gel{option}")
