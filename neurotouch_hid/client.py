@@ -296,7 +296,9 @@ def _ask_at(folder: Path, question: bytes, patience_s: float) -> tuple[Reply, so
         raise NotRunningError(NOT_RUNNING, hint=explain_start()) from None
     except TimeoutError:
         raise DriverError(
-            "The driver does not answer.", hint="Is it still starting? Try again in a moment."
+            "The driver does not answer.",
+            hint="Is it still starting? Try again in a moment. "
+            f"If it hangs, end it: kill -9 {read_pid(folder) or 'PID'}",
         ) from None
     except OSError as error:
         raise DriverError(f"The driver cannot be reached: {error.strerror} ({path}).") from None

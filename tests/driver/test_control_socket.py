@@ -82,8 +82,9 @@ def test_a_profile_may_take_its_time_to_load(folder, monkeypatch):
 
         made.serve(answer)
         loading = asker.submit(ask, "reload")
-        with pytest.raises(DriverError, match="does not answer"):
+        with pytest.raises(DriverError, match="does not answer") as refused:
             ask("status")
+        assert refused.value.hint.endswith(f"If it hangs, end it: kill -9 {os.getpid()}")
         gate.set()
         assert loading.result() == {"ok": True}
 
