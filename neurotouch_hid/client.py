@@ -297,7 +297,7 @@ def _ask_at(folder: Path, question: bytes, patience_s: float) -> tuple[Reply, so
     except TimeoutError:
         fix = "If it still starts, it takes the command when it is ready."
         if pid := read_pid(folder):
-            fix += f" To end it now: kill {pid}"
+            fix += f" To end it now: kill -9 {pid}"  # one that was stopped takes no other signal
         raise DriverError("The driver does not answer.", hint=fix) from None
     except OSError as error:
         raise DriverError(f"The driver cannot be reached: {error.strerror} ({path}).") from None

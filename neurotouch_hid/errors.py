@@ -60,7 +60,7 @@ class EndOfInputError(NeuroTouchError):
     def __init__(self) -> None:
         super().__init__(
             "The input has ended, so no more questions can be answered.",
-            hint="Run this command in a terminal.",
+            hint="Answer in a terminal. Ctrl-D ends the input, Ctrl-C the command.",
         )
 
 

@@ -163,20 +163,21 @@ def _tell_unsaved(voice: "Voice", kept: "UnfinishedCalibration", *, guided: bool
 
 @contextmanager
 def _pause_driver(source: str, voice: "Voice") -> Iterator[None]:
-    """Keeps a running driver from acting on what is measured; goes on if it went before."""
+    """Pauses a running driver, which goes on afterwards unless a panic has stopped it."""
     from neurotouch_hid.client import ask, ask_status
 
     if source != RUNNING_DRIVER or ask_status()["state"] != "running":
         yield
         return
     ask("pause")
-    voice.say("The running driver is paused until this ends.")
     try:
+        voice.say("The running driver is paused until this ends.")
         yield
     finally:
         with suppress(DriverError):  # it has ended
-            ask("resume")
-            voice.say("The driver goes on.")
+            if ask_status()["state"] == "paused":  # no panic since
+                ask("resume")
+                voice.say("The driver goes on.")
 
 
 def _guide(

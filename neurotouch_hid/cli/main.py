@@ -183,6 +183,8 @@ def _run() -> Any:
         print_error("")  # ends the line in which the terminal shows ^C
         raise
     except click.Abort as error:
+        if error.__context__ is not None:
+            print_error("")  # ends the line of the question
         if isinstance(error.__context__, EOFError):
             raise EndOfInputError from None
         raise

@@ -179,7 +179,8 @@ class Hub:
             self._browsers.discard(browser)
             if browser.pauses:  # nobody else goes on
                 with suppress(NeuroTouchError):
-                    await self._requests.carry_out({"do": "resume"}, self._path)
+                    request = {"do": "resume", "for": "movement"}
+                    await self._requests.carry_out(request, self._path)
             self._set_rate()
 
     async def close(self) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask, ask_every, get_text, is_served, wait_until_ended
+from neurotouch_hid.client import ask, ask_every, ask_status, get_text, is_served, wait_until_ended
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.address import write_secret
@@ -130,7 +130,14 @@ class Requests:
         await self._programs.close()
 
     async def _command(self, request: Request) -> Reply:
-        """Pauses or resumes every driver of this player: the page shows the nearest one only."""
+        """Pauses or resumes every driver of this player: the page shows the nearest one only.
+
+        What resumes because a movement was made leaves a panic as it is.
+        """
+        if request["do"] == "resume" and request.get("for") == "movement":
+            status = await asyncio.to_thread(ask_status)
+            if status["state"] == "panic":
+                return {"saved": ""}
         reached = await asyncio.to_thread(ask_every, request["do"], [find_player()])
         for each in reached:
             if each.error is not None:

@@ -1,6 +1,7 @@
 """The file under a recording that is being written: each piece is appended whole or not at all."""
 
 import errno
+import fcntl
 import os
 import shutil
 from contextlib import suppress
@@ -119,6 +120,10 @@ class FileOutput:
                 f"'{self.path}' is a link, and a recording is not written through a link.",
                 hint="Give the name of the file itself.",
             )
+        if isinstance(error, BlockingIOError):
+            return RecordingError(
+                f"Another program is recording to '{self.path}'.", hint="Give another name."
+            )
         return RecordingError.of_writing(self.path, error)
 
 
@@ -126,6 +131,17 @@ def _open_in_place(path: Path) -> IO[bytes]:
     """Opens a file to be written under its own name.
 
     Another user who may write to the folder could have put a link there, to a file of this person.
+    The file is locked, so that two recordings are not mixed in it.
     """
-    flags = os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW | os.O_CLOEXEC
-    return os.fdopen(os.open(path, flags, 0o666), "wb", buffering=0)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
+    file = os.fdopen(os.open(path, flags, 0o666), "wb", buffering=0)
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        file.close()
+        raise
+    except OSError:  # this file system knows no locks
+        pass
+    if is_plain(path):
+        file.truncate(0)
+    return file

@@ -5,12 +5,13 @@ import os
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
-from neurotouch_hid.client import ask_status
+from neurotouch_hid.client import ask, ask_status
 from neurotouch_hid.profile import load_user
-from tests.processes import run_command, start_neurotouch
+from tests.processes import run_command, run_neurotouch, start_neurotouch
 from tests.waiting import wait_until
 
 PLAYED = """
@@ -186,7 +187,7 @@ def test_input_that_ends_leaves_nothing_unsaid(home):
     assert done.stdout.splitlines()[-1] == "Nothing was saved."
     assert done.stderr.splitlines()[-2:] == [
         "Error: The input has ended, so no more questions can be answered.",
-        "Fix: Run this command in a terminal.",
+        "Fix: Answer in a terminal. Ctrl-D ends the input, Ctrl-C the command.",
     ]
 
 
@@ -254,6 +255,23 @@ def test_what_the_running_driver_sees_is_measured_and_the_driver_paused_meanwhil
     assert "The running driver is paused until this ends." in text
     assert "The driver goes on." in text
     wait_until(lambda: ask_status()["state"] == "running")
+
+
+def test_a_panic_meanwhile_stays_after_the_calibration(home, driver):
+    with start_neurotouch("calibrate", stdin=subprocess.PIPE) as process:
+        for line in process.stdout:
+            if "Step 1" in line:
+                ask("panic")
+                process.stdin.write("q\n")
+                process.stdin.flush()
+    assert process.returncode == 130
+    assert ask_status()["state"] == "panic"
+
+
+def test_a_driver_goes_on_when_the_calibration_cannot_say_anything(home, driver):
+    with Path("/dev/full").open("w") as full:
+        run_neurotouch("calibrate", code=1, capture_output=False, stdin=full, stdout=full)
+    assert ask_status()["state"] == "running"
 
 
 def test_what_is_saved_acts_in_the_running_driver_at_once(home, driver):

@@ -1,5 +1,6 @@
 """``neurotouch profile`` as people use it, with wrong input too."""
 
+import errno
 import json
 import signal
 import subprocess
@@ -11,7 +12,7 @@ from click.testing import CliRunner
 from ruamel.yaml import YAML
 
 from neurotouch_hid.cli.main import cli
-from neurotouch_hid.cli.profile import saving
+from neurotouch_hid.cli.profile import drafts, saving
 from neurotouch_hid.errors import NeuroTouchError, ProfileError
 from neurotouch_hid.profile.reading.library import find_shipped_folder
 from tests.processes import run_command, run_neurotouch, start_neurotouch
@@ -521,6 +522,36 @@ def test_an_editor_that_fails_is_named(monkeypatch, editor):
     assert "neurotouch profile edit racing" in output
 
 
+@pytest.mark.parametrize("end", ["exit 1", "kill -9 $$", "kill -HUP $PPID; sleep 1"])
+def test_what_the_editor_has_saved_stays_if_it_ends_badly(home, tmp_path, monkeypatch, end):
+    editor = tmp_path / "editor"
+    editor.write_text(f'#!/bin/sh\n[ "$QUIET" ] || echo "# mine" >> "$1"\n{end}\n')
+    editor.chmod(0o755)
+    monkeypatch.setenv("VISUAL", str(editor))
+    draft = home / "profiles" / ".drafts" / "spacecraft.yaml"
+    code = 130 if "HUP" in end else 1
+    done = run_neurotouch("profile", "edit", "spacecraft", "--editor", code=code)
+    assert f"Not saved; the draft is in {draft}" in done.stdout
+    assert draft.read_text(encoding="utf-8").endswith("# mine\n")
+    draft.unlink()
+    monkeypatch.setenv("QUIET", "yes")
+    run_neurotouch("profile", "edit", "spacecraft", "--editor", code=code)
+    assert not draft.exists()
+
+
+def test_a_draft_for_which_the_disk_has_no_room_is_named(home, monkeypatch):
+    def fill(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    run("profile", "new", "mine")
+    monkeypatch.setattr(drafts, "write_whole", fill)
+    monkeypatch.setattr(saving, "save_edited", refuse)
+    output, code = run("profile", "edit", "mine", answers=[11, 1, 1, 13, 1])
+    assert code == 1
+    assert f"'{home / 'profiles/.drafts/mine.yaml'}' cannot be written" in output
+    assert "Make room on this disk" in output
+
+
 @pytest.mark.parametrize("answers", [[11, 1, 1, 13], [11, 1, 1, 13, 1]])
 def test_a_change_that_cannot_be_saved_is_kept_as_a_draft(home, monkeypatch, answers):
     run("profile", "new", "mine")
@@ -809,4 +840,4 @@ def test_the_end_of_the_input_is_told_and_is_no_interrupt():
     command = [sys.executable, "-m", "neurotouch_hid", "profile", "edit", "mine"]
     done = subprocess.run(command, input="12\n", capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert "Error: The input has ended, so no more questions can be answered." in done.stderr
+    assert "\nError: The input has ended, so no more questions can be answered.\n" in done.stderr

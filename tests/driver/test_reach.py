@@ -140,7 +140,7 @@ def test_stop_says_how_to_end_a_driver_that_still_starts(own, capsys, monkeypatc
     assert capsys.readouterr().err == (
         "Error: Your driver: The driver does not answer.\n"
         "Fix: If it still starts, it takes the command when it is ready. "
-        f"To end it now: kill {os.getpid()}\n"
+        f"To end it now: kill -9 {os.getpid()}\n"
     )
 
 

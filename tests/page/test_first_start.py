@@ -204,7 +204,8 @@ def test_a_gamepad_of_unknown_layout_leads_to_the_list(started):
     wait_for(page, "key-said", "This gamepad does not say which button that is. Choose it here.")
     assert page.is_visible("#chooser")
     page.click("#chooser button[value=cancel]")
-    assert driver.wait_for_request(page) == {"do": "resume"}  # and nothing is bound
+    # Nothing is bound.
+    assert driver.wait_for_request(page) == {"do": "resume", "for": "movement"}
 
 
 NO_CAMERA = {"kind": "no_camera", "text": "No camera found.", "next": "", "mend": "", "start": ""}

@@ -127,7 +127,7 @@ def test_measuring_and_waiting_for_a_movement_exclude_each_other(play):
     assert driver.wait_for_request(page) == {"do": "pause", "for": "movement"}
     assert page.is_disabled("#measure")
     page.click("#by-doing")
-    assert driver.wait_for_request(page) == {"do": "resume"}
+    assert driver.wait_for_request(page) == {"do": "resume", "for": "movement"}
     assert page.is_enabled("#measure")
 
 
@@ -142,6 +142,27 @@ def test_a_pause_for_a_movement_ends_with_the_page_that_asked(driver, view, fold
     wait_for(page, "driver-state", "Paused")
     asking.close()
     wait_for(page, "driver-state", "Running")
+
+
+@pytest.mark.parametrize("end", ["cancel", "close"])
+def test_a_panic_while_a_movement_is_waited_for_stays(driver, view, folder, open_page, end):
+    (folder / "config/neurotouch/profiles/mine.yaml").write_text(PROFILE)
+    page = open_page(view.page("live"))
+    wait_for(page, "driver-state", "Running")
+    asking = open_page(view.home)
+    asking.wait_for_selector("#by-doing:not([hidden])")
+    asking.evaluate("document.getElementById('chooser').showModal = () => {}")  # it goes on waiting
+    asking.click("#by-doing")
+    wait_for(page, "driver-state", "Paused")
+    driver.call("panic")
+    wait_for(page, "driver-state", "Stopped by panic: everything is released")
+    if end == "cancel":
+        asking.click("#by-doing")
+    asking.close()
+    asking = open_page(view.home)
+    asking.wait_for_selector("#by-doing:not([hidden])")
+    assert driver.status()["state"] == "panic"
+    driver.call("resume")
 
 
 def test_the_doctor_s_commands_can_be_copied(play):

@@ -58,6 +58,19 @@ def test_in_place_it_is_there_and_readable_after_every_packet(tmp_path):
     assert count(path) == count_with_the_maker(path) == expect(packets)
 
 
+def test_a_second_recording_into_the_same_file_is_refused(tmp_path):
+    path, packets = tmp_path / "a.aedat4", make_packets(4_000)
+    with RecordingWriter(path, in_place=True) as writer:
+        writer.write(packets[0])
+        with pytest.raises(RecordingError, match="Another program is recording to"):
+            RecordingWriter(path, in_place=True)
+        writer.write(packets[1])
+    assert count(path) == expect(packets[:2])
+    with RecordingWriter(path, in_place=True) as writer:
+        writer.write(packets[0])
+    assert count(path) == expect(packets[:1])
+
+
 def test_without_its_table_the_maker_reads_it_too(tmp_path):
     writer = RecordingWriter(tmp_path / "a.aedat4", in_place=True)
     packets = make_packets(4_000)

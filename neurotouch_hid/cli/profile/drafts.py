@@ -22,10 +22,22 @@ def find_draft(edited: "EditedFile") -> Path:
 
 def save_draft(draft: Path, text: "ProfileText") -> None:
     """Keeps a text that was not saved, and says where."""
-    draft.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(draft, text.text.encode())
+    write_draft(draft, text)
     say("WARNING", f"Not saved; the draft is in {draft}")
     echo(f"Go on with it: neurotouch profile edit {draft.stem}")
+
+
+def write_draft(draft: Path, text: "ProfileText") -> None:
+    """Writes a text into the place of a draft.
+
+    Raises:
+        NeuroTouchError: it cannot be written.
+    """
+    try:
+        draft.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(draft, text.text.encode())
+    except OSError as error:
+        raise NeuroTouchError.of_writing(draft, error) from None
 
 
 @contextmanager
@@ -44,4 +56,6 @@ def keep_draft(
     except (click.Abort, KeyboardInterrupt, NeuroTouchError):
         if find_text() != edited.text:
             save_draft(draft, find_text())
+        else:
+            draft.unlink(missing_ok=True)
         raise

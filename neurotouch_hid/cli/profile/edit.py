@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from neurotouch_hid.cli.profile.drafts import find_draft, keep_draft, save_draft
+from neurotouch_hid.cli.profile.drafts import find_draft, keep_draft, save_draft, write_draft
 from neurotouch_hid.cli.profile.guide import Guide
 from neurotouch_hid.cli.profile.saving import save_edited
 from neurotouch_hid.cli.profile.values import ask_values
@@ -60,17 +60,25 @@ def edit(name: str, editor: bool, source: str | None, plain: bool) -> None:
 
 
 def _edit_text(edited: "EditedFile", text: "ProfileText", draft: Path, *, plain: bool) -> bool:
-    """Opens the editor until the text is right or the person stops.
+    """Opens the draft in the editor until the text is right or the person stops.
+
+    What the person has saved there stays if the editor fails or the terminal is closed.
 
     Returns:
         False if a draft is left.
     """
+    from neurotouch_hid.profile.editing import read_text
+
     newline = "\r\n" if "\r\n" in text.text else "\n"
     answer = 0
     with keep_draft(draft, edited, lambda: text):
         while answer == 0:
-            written = _open_editor(edited.name, text.text)
-            text = text.rewrite(written.replace("\r\n", "\n").replace("\n", newline))
+            write_draft(draft, text)
+            try:
+                _open_editor(edited.name, draft)
+            finally:
+                written = read_text(draft)[0].text.replace("\r\n", "\n")
+                text = text.rewrite(written.replace("\n", newline))
             if text == edited.text:
                 say("OK", "Nothing has changed.", plain=plain)
                 return True
@@ -88,16 +96,15 @@ def _edit_text(edited: "EditedFile", text: "ProfileText", draft: Path, *, plain:
     return False
 
 
-def _open_editor(name: str, text: str) -> str:
-    """Returns the text as the person leaves it in the editor.
+def _open_editor(name: str, draft: Path) -> None:
+    """Lets the person change the draft until the editor ends.
 
     Raises:
         NeuroTouchError: the editor cannot be started, or it has failed.
     """
     try:
-        return click.edit(text, extension=".yaml", require_save=False) or ""
-    except (click.ClickException, ValueError) as error:
-        # A ValueError: $EDITOR has an open quote, or what was written is no UTF-8.
+        click.edit(filename=str(draft))
+    except (click.ClickException, ValueError) as error:  # a ValueError: an open quote in $EDITOR
         said = error.format_message() if isinstance(error, click.ClickException) else str(error)
         raise NeuroTouchError(
             f"The text editor has failed. {said}.",

@@ -257,7 +257,7 @@ function stopListening() {
 
 function endListening() {
   find("by-doing").textContent = "Make a movement to change it";
-  if (fresh) page.send({ do: "resume" });
+  if (fresh) page.send({ do: "resume", for: "movement" }); // a panic since then stays
   const hadFocus = find("doing").contains(document.activeElement);
   doing = fresh = false;
   showAll();
