@@ -199,7 +199,7 @@ class Driver(Closing):
             self._require_open()
             step = advance(packet)
             yield step
-            self.pipeline.process_frames(step)
+            self.pipeline.finish(step)
 
     def _require_open(self) -> None:
         if not self._is_open:

@@ -87,7 +87,7 @@ def run_pipeline(
                         control.record(step)
                     for tap in taps:
                         tap(step)
-                    pipeline.process_frames(step)
+                    pipeline.finish(step)
                     if aware is not None:
                         aware.set_activity(
                             is_idle=pipeline.is_idle, wants_frames=not pipeline.is_at_rest

@@ -96,7 +96,9 @@ class Pipeline:
             ThreadedRest(detector, finder) if frame_thread else InlineRest(detector)
         )
         # The thread's finder is its own; without events the tracker searches frames itself.
-        tracker = MarkerTracker(finder=None if frame_thread else finder, gel=gel)
+        tracker = MarkerTracker(
+            finder=None if frame_thread else finder, gel=gel, looks_late=frame_thread
+        )
         return cls(
             rest,
             tracker,
@@ -118,7 +120,7 @@ class Pipeline:
     def advance(self, packet: EventPacket) -> Step:
         """Takes one slice through all stages.
 
-        With a frame thread, write the pad afterwards, then call ``process_frames``.
+        With a frame thread, write the pad afterwards, then call ``finish``.
         """
         markers, gesture = self._find_gesture(packet)
         begun_ns = perf_counter_ns()
@@ -185,11 +187,12 @@ class Pipeline:
         seen = self.rest.detector.stats()
         return seen.n_rest > 0 and not seen.problem
 
-    def process_frames(self, step: Step) -> None:
-        """Hands over the frames of a finished step, and takes the result of earlier ones.
+    def finish(self, step: Step) -> None:
+        """Takes in frames, and looks for hot pixels and flicker, after the pad was written.
 
-        This can wait until the pad is written: it moves markers by tenths of a pixel, and knows
-        where they were when the frame was exposed. Without a frame thread nothing is left to do.
+        Frames move markers by tenths of a pixel, and it is known where these were when the frame
+        was exposed. What is looked for now and then would make the slowest slices slower still.
+        Without a frame thread nothing is left to do.
         """
         if not self.has_frame_thread:
             return
@@ -201,6 +204,7 @@ class Pipeline:
         if packet.frames and self._may_skip(packet.frames[-1].t_us):
             packet = _without_frames(packet)
         self._anchor = self._exchange(packet)
+        self.tracker.look()
 
     def _cut_remaining(self, packet: EventPacket) -> EventPacket:
         """Returns the part of a slice that has not been taken in yet, without frames.

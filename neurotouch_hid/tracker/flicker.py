@@ -52,11 +52,15 @@ class Flicker:
 class FlickerFilter:
     """Looks for flicker every second, and removes its events while there is some.
 
+    Args:
+        looks_late: leave it to the caller to call ``look`` after each slice, when there is time.
+
     Attributes:
         flicker: the flicker of the last quarter of a second, None without.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, looks_late: bool = False) -> None:
+        self._looks_late = looks_late
         self.flicker: Flicker | None = None
         self._bins = np.zeros((2, N_BINS))
         self._pixels: NDArray[np.void] | None = make_pixels()  # until the first look
@@ -83,8 +87,8 @@ class FlickerFilter:
             self._restart(begin_us)
         self._end_us = end_us
         kernels.count_events(events, begin_us, end_us, self._bins)
-        if end_us // kernels.BIN_US >= self._next_bin:
-            self._look(end_us)
+        if not self._looks_late:
+            self.look()
         if self._pixels is None:
             return events
         if len(self._out) < len(events):
@@ -98,9 +102,12 @@ class FlickerFilter:
         self._begin_bin = t_us // kernels.BIN_US
         self._next_bin = self._begin_bin + FEW_BINS
 
-    def _look(self, t_us: int) -> None:
-        """Updates what is known about flicker."""
+    def look(self) -> None:
+        """Updates what is known about flicker, if it is time; that takes half a millisecond."""
+        t_us = self._end_us or 0
         now_bin = t_us // kernels.BIN_US
+        if now_bin < self._next_bin:
+            return
         n, found = min(now_bin - self._begin_bin, N_BINS), None
         self._next_bin = now_bin + (LOOK_BINS if n == N_BINS else FEW_BINS)
         if kernels.measure_imbalance(self._bins) > LEAST_IMBALANCE:

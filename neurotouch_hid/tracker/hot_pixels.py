@@ -16,9 +16,14 @@ BUSY_HZ = 2e6  # with more events a second, counting costs time, and a hot pixel
 
 
 class HotPixelFilter:
-    """Counts the events of each pixel, and removes those of hot pixels while there are some."""
+    """Counts the events of each pixel, and removes those of hot pixels while there are some.
 
-    def __init__(self) -> None:
+    Args:
+        looks_late: leave it to the caller to call ``look`` after each slice, when there is time.
+    """
+
+    def __init__(self, *, looks_late: bool = False) -> None:
+        self._looks_late = looks_late
         n = SENSOR_HEIGHT_PX * SENSOR_WIDTH_PX
         self._counts, self._streaks = np.zeros(n, np.uint16), np.zeros(n, np.uint8)
         self._out = np.empty(0, EVENT_DTYPE)
@@ -43,11 +48,16 @@ class HotPixelFilter:
             return events
         kernels.count_events(events, self._counts)
         self._counted_us += end_us - begin_us
-        if self._counted_us >= WINDOW_US:
-            self._n_hot = kernels.judge_window(self._counts, self._streaks)
-            self._counted_us = 0
+        if not self._looks_late:
+            self.look()
         if not self._n_hot:
             return events
         if len(self._out) < len(events):
             self._out = np.empty(2 * len(events), EVENT_DTYPE)
         return self._out[: kernels.remove_hot(events, self._streaks, self._out)]
+
+    def look(self) -> None:
+        """Finds the hot pixels, if it is time; in play that takes a tenth of a millisecond."""
+        if self._counted_us >= WINDOW_US:
+            self._n_hot = kernels.judge_window(self._counts, self._streaks)
+            self._counted_us = 0

@@ -66,6 +66,8 @@ class MarkerTracker:
         config: TrackerConfig | None = None,
         finder: BlobFinder | None = None,
         gel: Gel = PAPER_GEL,
+        *,
+        looks_late: bool = False,
     ) -> None:
         """Starts without a gel; the first ``anchor`` gives one.
 
@@ -73,6 +75,8 @@ class MarkerTracker:
             config: of the event filter.
             finder: finds the blobs of frames, see ``RestDetector``.
             gel: the gel.
+            looks_late: leave it to the caller to call ``look`` after each slice, when there is
+                time.
         """
         self._config = config or TrackerConfig()
         self._tuning, self._blur_px = self._config.tuning(), 0.0
@@ -86,7 +90,8 @@ class MarkerTracker:
         self._finder = finder or BlobFinder(gel=gel)
         self._correction = FrameCorrection(self._tracks, self._tuning)
         self._identity = FrameIdentity(self._tracks, self._tuning, gel)
-        self._hot, self._flicker = HotPixelFilter(), FlickerFilter()
+        self._hot = HotPixelFilter(looks_late=looks_late)
+        self._flicker = FlickerFilter(looks_late=looks_late)
         self._return = QuietReturn(self._tracks)
         self._rest_px = np.full((n, 2), np.nan, np.float32)
         self._anchored = False
@@ -183,6 +188,11 @@ class MarkerTracker:
         self._end_us = end_us
         self._n_events += n_events
         return MarkerField(end_us, self._rest_px, position_px, valid, self._gel)
+
+    def look(self) -> None:
+        """Looks for hot pixels and for flicker, now and then; see ``looks_late``."""
+        self._hot.look()
+        self._flicker.look()
 
     def find_return(self) -> RestField | None:
         """Returns all markers if events alone show that the gel has just come back to rest.

@@ -65,7 +65,7 @@ def play(simulator, way):
             end_us = ends_us[-1]
         for piece in packets:
             step = pipeline.advance(piece)
-            pipeline.process_frames(step)
+            pipeline.finish(step)
             while way == "live" and not pipeline.rest._results:
                 time.sleep(0.0005)
             yield step

@@ -53,7 +53,7 @@ def play(simulator, gel, labels):
             pixels = uvc.enlarge(frame.pixels)
             for piece in slicer.push(pixels, frame.exposure_begin_us, frame.exposure_end_us):
                 step = pipeline.advance(piece)
-                pipeline.process_frames(step)
+                pipeline.finish(step)
                 yield step
     pipeline.close()
 

@@ -62,7 +62,7 @@ def measure(frames, fourcc):
         begin_s = time.thread_time()
         for packet in slicer.push(reader.read(data), begin_us, end_us):
             step = pipeline.advance(packet)
-            pipeline.process_frames(step)
+            pipeline.finish(step)
         times_s.append(time.thread_time() - begin_s)
         if found_s is None and np.isfinite(step.markers.rest_px).any():
             found_s = sum(times_s)

@@ -50,4 +50,4 @@ def play(
         for packet in source:
             step = pipeline.advance(packet)
             yield step
-            pipeline.process_frames(step)
+            pipeline.finish(step)

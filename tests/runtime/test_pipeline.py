@@ -34,7 +34,7 @@ def play_live(line, packet):
     """A slice with all the time that a look at its frame takes."""
     step = line.advance(packet)
     looked_us = line._looked_us
-    line.process_frames(step)
+    line.finish(step)
     if line._looked_us != looked_us:
         wait_until(lambda: line.rest._results)
     return step
@@ -54,6 +54,33 @@ def test_frames_that_wait_for_the_pad_tell_the_same(push, lines):
     assert np.median(apart_px) < 0.1
     assert np.mean(same) > 0.98
     assert live.tracker.stats().n_anchors > 5
+
+
+@pytest.mark.parametrize(("nuisances", "told"), [({"mains": 60.0}, (True, 0)), ({}, (False, 1))])
+def test_looking_for_flicker_and_hot_pixels_waits_for_the_pad(lines, nuisances, told):
+    """It takes up to a millisecond, now and then."""
+    live, usual = lines
+    for packet in Simulator(sequence("rest", rest_us=1_300_000), nuisances=nuisances, seed=8):
+        usual.advance(add_hot_pixel(packet))
+        known = find_known(live)
+        step = live.advance(add_hot_pixel(packet))
+        assert find_known(live) == known
+        live.finish(step)
+    assert find_known(live) == find_known(usual) == told
+
+
+def find_known(line):
+    """Whether the light flickers, and how many pixels are hot."""
+    return line.tracker.flicker is not None, line.tracker._hot._n_hot
+
+
+def add_hot_pixel(packet):
+    hot = packet.events[:0].copy()
+    hot.resize(10)
+    hot["t"] = np.linspace(packet.t_begin_us, packet.t_end_us - 1, 10)
+    hot["x"], hot["y"] = 5, 5
+    events = np.concatenate([packet.events, hot])
+    return replace(packet, events=events[np.argsort(events["t"], kind="stable")])
 
 
 def test_without_a_profile_the_gestures_are_the_same_and_the_pad_is_neutral(push):

@@ -174,7 +174,7 @@ def _play(packets: list[EventPacket], driver: Driver) -> list[Sent]:
         step = driver.pipeline.advance(packet)
         pad, written_ns = step.pad, time.monotonic_ns()
         driver.device.write(pad)
-        driver.pipeline.process_frames(step)
+        driver.pipeline.finish(step)
         if shows_change(shown, pad):
             # A slice without events changes the pad when its time is over.
             last_us = int(packet.events["t"][-1]) if len(packet.events) else packet.t_end_us
