@@ -80,7 +80,7 @@ def ask(command: str, *, player: int | None = None, **arguments: Any) -> Reply:
 
     Args:
         command: ``reload``, ``status``, ``gel``, ``use``, ``settings``, ``pause``, ``resume``,
-            ``panic`` or ``stop``.
+            ``unpause``, which leaves a panic as it is, ``panic`` or ``stop``.
         player: the player number; None means the one of the environment.
         arguments: of the command: ``profile``, a name or an absolute path, for ``use``; for
             ``settings`` see ``handover``.
@@ -100,7 +100,7 @@ def ask_every(command: str, players: Iterable[int]) -> list[Reached]:
     """Sends a command to all drivers of these players at once, so that none waits for another.
 
     Args:
-        command: ``pause``, ``resume``, ``panic``, ``stop`` or ``reload``.
+        command: ``pause``, ``resume``, ``unpause``, ``panic``, ``stop`` or ``reload``.
         players: the player numbers: each may have one of this user, and one that is a service.
 
     Returns:

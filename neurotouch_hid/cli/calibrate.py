@@ -164,7 +164,7 @@ def _tell_unsaved(voice: "Voice", kept: "UnfinishedCalibration", *, guided: bool
 @contextmanager
 def _pause_driver(source: str, voice: "Voice") -> Iterator[None]:
     """Pauses a running driver, which goes on afterwards unless a panic has stopped it."""
-    from neurotouch_hid.client import ask, ask_status
+    from neurotouch_hid.client import ask, ask_status, get_text
 
     if source != RUNNING_DRIVER or ask_status()["state"] != "running":
         yield
@@ -175,9 +175,7 @@ def _pause_driver(source: str, voice: "Voice") -> Iterator[None]:
         yield
     finally:
         with suppress(DriverError):  # it has ended
-            if ask_status()["state"] == "paused":  # no panic since
-                ask("resume")
-                voice.say("The driver goes on.")
+            voice.say(get_text(ask("unpause")))
 
 
 def _guide(

@@ -23,6 +23,7 @@ from neurotouch_hid.vocabulary import NAME_PATTERN, PipelineState
 COMMANDS: Final = (
     "pause",
     "resume",
+    "unpause",
     "panic",
     "stop",
     "reload",
@@ -99,7 +100,7 @@ class Commands:
 
     def _apply(self, question: dict[str, Any], uid: int) -> Answer:
         match question["command"]:
-            case "pause" | "resume" | "panic" as command:
+            case "pause" | "resume" | "unpause" | "panic" as command:
                 return self._submit(cast(CommandName, command))
             case "stop":
                 return self._stop()

@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask, ask_every, ask_status, get_text, is_served, wait_until_ended
+from neurotouch_hid.client import ask, ask_every, get_text, is_served, wait_until_ended
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.address import write_secret
@@ -134,11 +134,9 @@ class Requests:
 
         What resumes because a movement was made leaves a panic as it is.
         """
-        if request["do"] == "resume" and request.get("for") == "movement":
-            status = await asyncio.to_thread(ask_status)
-            if status["state"] == "panic":
-                return {"saved": ""}
-        reached = await asyncio.to_thread(ask_every, request["do"], [find_player()])
+        after_movement = request["do"] == "resume" and request.get("for") == "movement"
+        command = "unpause" if after_movement else request["do"]
+        reached = await asyncio.to_thread(ask_every, command, [find_player()])
         for each in reached:
             if each.error is not None:
                 raise each.error

@@ -89,7 +89,7 @@ class PipelineControl:
             self._on_command(command)
 
     def submit(self, name: CommandName) -> Command:
-        """Makes the pipeline pause, resume, toggle or panic before its next slice.
+        """Makes the pipeline pause, resume, unpause, toggle or panic before its next slice.
 
         Raises:
             DriverError: too many commands wait.
@@ -153,7 +153,7 @@ class PipelineControl:
     def _apply(self, command: Command) -> None:
         mapping = self._pipeline.mapping
         match command.name:
-            case "toggle" if mapping.state == "paused":
+            case "toggle" | "unpause" if mapping.state == "paused":
                 mapping.resume()
             case "pause" | "toggle":
                 mapping.pause()

@@ -104,6 +104,9 @@ def test_order_to_a_silent_source_is_noted(commands):
         (["panic", "panic"], "Already stopped by panic.", "panic"),
         (["panic", "pause"], "Already stopped by panic.", "panic"),  # only resume ends a panic
         (["panic", "pause", "resume", "pause"], "Paused", "paused"),
+        (["pause", "unpause"], "Resumed", "running"),
+        (["unpause"], "Already running.", "running"),
+        (["pause", "panic", "unpause"], "Already stopped by panic.", "panic"),
     ],
 )
 def test_an_answer_says_what_holds_afterwards(commands, control, patient, orders, words, state):

@@ -131,7 +131,9 @@ def test_measuring_and_waiting_for_a_movement_exclude_each_other(play):
     assert page.is_enabled("#measure")
 
 
-def test_a_pause_for_a_movement_ends_with_the_page_that_asked(driver, view, folder, open_page):
+@pytest.fixture
+def waiting(driver, view, folder, open_page):
+    """The live page, and one that has paused the driver and waits for a movement."""
     (folder / "config/neurotouch/profiles/mine.yaml").write_text(PROFILE)
     page = open_page(view.page("live"))
     wait_for(page, "driver-state", "Running")
@@ -140,20 +142,18 @@ def test_a_pause_for_a_movement_ends_with_the_page_that_asked(driver, view, fold
     asking.evaluate("document.getElementById('chooser').showModal = () => {}")  # it goes on waiting
     asking.click("#by-doing")
     wait_for(page, "driver-state", "Paused")
+    return page, asking
+
+
+def test_a_pause_for_a_movement_ends_with_the_page_that_asked(waiting):
+    page, asking = waiting
     asking.close()
     wait_for(page, "driver-state", "Running")
 
 
 @pytest.mark.parametrize("end", ["cancel", "close"])
-def test_a_panic_while_a_movement_is_waited_for_stays(driver, view, folder, open_page, end):
-    (folder / "config/neurotouch/profiles/mine.yaml").write_text(PROFILE)
-    page = open_page(view.page("live"))
-    wait_for(page, "driver-state", "Running")
-    asking = open_page(view.home)
-    asking.wait_for_selector("#by-doing:not([hidden])")
-    asking.evaluate("document.getElementById('chooser').showModal = () => {}")  # it goes on waiting
-    asking.click("#by-doing")
-    wait_for(page, "driver-state", "Paused")
+def test_a_panic_while_a_movement_is_waited_for_stays(driver, view, waiting, open_page, end):
+    page, asking = waiting
     driver.call("panic")
     wait_for(page, "driver-state", "Stopped by panic: everything is released")
     if end == "cancel":

@@ -25,7 +25,7 @@ def test_the_question_is_there_once_and_the_end_says_saved(play):
     assert page.inner_text("#answer") == ""
     page.click("#choices button >> nth=0")
     assert page.inner_text("#request") != question
-    for line in ("OK      Saved /home/a/user.yaml", "It applies now.", "The driver goes on."):
+    for line in ("OK      Saved /home/a/user.yaml", "It applies now.", "Resumed."):
         driver.tell(program={"name": "calibrate", "line": line})
     driver.tell(program={"name": "calibrate", "code": 0})
     wait_for(page, "request", "Saved. It applies now.")
