@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from typing import Final
+from typing import Final, NamedTuple
 
 from neurotouch_hid.events import join_events
 from neurotouch_hid.messages import EventPacket
@@ -36,6 +36,18 @@ _LEARN: Final = 1 / 64  # weight of a slice in the estimate of the noise: a quar
 _STANDS_OUT: Final = 5.0  # mean deviations, four standard ones: by chance once in two minutes
 _FEW: Final = 8.0  # events; a quiet sensor's deviation may be 0
 _CHANCE: Final = 0.8  # mean deviation of independent events, in square roots of their mean
+
+
+class Calm(NamedTuple):
+    """Expectation while nothing happens.
+
+    Attributes:
+        until_us: up to this time slices are joined, unless something happens.
+        n_events: more of them in a slice of the usual length are not noise.
+    """
+
+    until_us: int
+    n_events: float
 
 
 class SlicePacer:
@@ -76,6 +88,13 @@ class SlicePacer:
     def is_calm(self) -> bool:
         """True while the pipeline is idle, and recent events were only noise and not very many."""
         return self._calm_us > CALM_US
+
+    def find_calm(self) -> Calm | None:
+        """Returns what is expected while it is calm, else None."""
+        if not self.is_calm:
+            return None
+        begin_us = self._waiting[0].t_begin_us if self._waiting else self._doubtful[-1][1]
+        return Calm(begin_us + LONGEST_US, self._mean + self._most)
 
     @property
     def wants_parts(self) -> bool:

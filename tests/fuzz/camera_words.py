@@ -245,7 +245,7 @@ def _play(chunks: list[bytes], layout: AddressLayout, n_words: int) -> None:
     packets: list[EventPacket] = []
     closing = threading.Event()
     camera = cast(Camera, _Scripted(chunks, layout, closing.set))
-    stream = Stream(camera, DavisConfig(), _SLICE_US, packets.append, lambda: False)
+    stream = Stream(camera, DavisConfig(), _SLICE_US, packets.append, lambda: None)
     try:
         stream.run(closing)
     finally:
@@ -273,7 +273,7 @@ class _Scripted(SimpleNamespace):
     def start(self, config: DavisConfig, receive: Callable[[bytes], Any]) -> None:
         self._receive = receive
 
-    def pump(self, timeout_s: float, rest_until_s: float, time_word: int) -> None:
+    def pump(self, *_: float) -> None:
         chunk = next(self._chunks, b"")
         if chunk:
             self._receive(chunk)

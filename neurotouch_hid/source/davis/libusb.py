@@ -139,10 +139,14 @@ class LibusbTransport:
         for number in range(N_TRANSFERS):
             _require(self._submit(number), "read")
 
-    def pump(self, timeout_s: float, rest_until_s: float, time_word: int) -> None:
+    def pump(self, timeout_s: float, rest_until_s: float, time_word: int, most_noise: int) -> None:
         """Handles libusb's events; sleeps first, because the transfers keep arriving data."""
         n_bytes, error = self._pump(
-            self._in_flight, round(1e6 * timeout_s), round(1e9 * rest_until_s), time_word
+            self._in_flight,
+            round(1e6 * timeout_s),
+            round(1e9 * rest_until_s),
+            time_word,
+            most_noise,
         )
         if n_bytes:
             self._receive(self._transfers.taken[:n_bytes].tobytes())

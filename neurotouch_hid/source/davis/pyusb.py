@@ -98,7 +98,7 @@ class PyusbTransport:
         with _explained("set going"):
             self._device.clear_halt(ENDPOINT)
 
-    def pump(self, timeout_s: float, rest_until_s: float, time_word: int) -> None:  # noqa: ARG002
+    def pump(self, timeout_s: float, *_: float) -> None:
         """Reads once, immediately: nothing else buffers the data."""
         try:
             with _explained("read"):

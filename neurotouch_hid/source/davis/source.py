@@ -202,7 +202,7 @@ class DavisSource(CameraSource):
                 self._config,
                 self._slice_us,
                 self._hand_over,
-                lambda: not self._wants_frames and self._pacer.is_calm,
+                lambda: None if self._wants_frames else self._pacer.find_calm(),
                 self._stream,
             )
             self._note_start(self._stream.end_us)

@@ -15,9 +15,10 @@ from neurotouch_hid.source.davis.camera import Camera
 from neurotouch_hid.source.davis.config import DavisConfig
 from neurotouch_hid.source.davis.decoder import Decoder, DecoderStats
 from neurotouch_hid.source.davis.stream_check import StreamCheck
-from neurotouch_hid.source.davis.transport import ANY_TIME, StreamHaltedError
+from neurotouch_hid.source.davis.transport import ANY_TIME, LOOK_US, StreamHaltedError
 from neurotouch_hid.source.partial import SHORTEST_US
 from neurotouch_hid.source.sensor_map import make_middle_map
+from neurotouch_hid.source.slice_pacer import Calm
 from neurotouch_hid.source.slicer import Slicer
 
 PUMP_S: Final = 0.05
@@ -30,9 +31,6 @@ MAX_PARTIAL_EVENTS: Final = 8_000
 delay the slice by as much as the pipeline gains."""
 MOST_REST_US: Final = 4_000
 """At 70 MB/s, 12 million events/s, this fills a fourth of the transfers."""
-CALM_REST_US: Final = 8_000
-"""The same while nothing happens: this saves a third of its work, and the first motion is seen
-4 ms later on average. At 12 million events/s it fills half of the transfers."""
 IDLE_FRAME_S: Final = 0.25
 """How often an idle camera is asked for a frame: an idle pipeline uses each of them."""
 COUNT_S: Final = 1.0
@@ -55,7 +53,8 @@ class Stream:
         slice_us: length of a slice.
         put: takes the slices or their parts, and a partial slice shortly before the end of each
             whole one; returns the length of the parts in which the next ones come, or None.
-        may_idle: returns True if nothing happens and a few frames a second are enough.
+        find_calm: returns what is expected if nothing happens and a few frames a second are enough;
+            else None.
         before: the stream that this one continues, later by the time between them.
 
     Attributes:
@@ -74,11 +73,11 @@ class Stream:
         config: DavisConfig,
         slice_us: int,
         put: Callable[[EventPacket], int | None],
-        may_idle: Callable[[], bool],
+        find_calm: Callable[[], Calm | None],
         before: "Stream | None" = None,
     ) -> None:
         self._camera, self._config, self._slice_us = camera, config, slice_us
-        self._put, self._may_idle = put, may_idle
+        self._put, self._find_calm = put, find_calm
         self._chunks: list[bytes] = []
         camera.start(config, self._chunks.append)
         self._begun_s = self.heard_s = time.monotonic()
@@ -113,11 +112,11 @@ class Stream:
             CameraError: the camera is gone, or has failed, or its stream is out of step.
         """
         asked_s = rest_until_s = self._begun_s
-        time_word = ANY_TIME
+        time_word, most_noise = ANY_TIME, 0
         while not closing.is_set():
             looked_s, end_us = time.monotonic(), self.end_us
             try:
-                self._pump(rest_until_s, time_word)
+                self._pump(rest_until_s, time_word, most_noise)
             finally:  # data from before the failure is good
                 now_s = time.monotonic()
                 self._read(now_s)
@@ -126,7 +125,7 @@ class Stream:
             self._check(looked_s)
             if self.end_us > end_us:  # a slice: its last word has just come
                 self._pace_camera(now_s)
-            rest_us, time_word = self._find_need()
+            rest_us, time_word, most_noise = self._find_need()
             rest_until_s = now_s + 1e-6 * rest_us
             if now_s - asked_s >= COUNT_S:
                 asked_s = now_s
@@ -148,7 +147,7 @@ class Stream:
 
         A camera that does not answer but still sends is asked again later.
         """
-        may_idle = self._may_idle()
+        may_idle = self._find_calm() is not None
         is_due = may_idle and self._config.frames and now_s - self._paced_s >= IDLE_FRAME_S
         if now_s < self._retry_s or (may_idle == self._is_idle and not is_due):
             return
@@ -166,18 +165,25 @@ class Stream:
             return
         self._is_idle, self._paced_s = may_idle, now_s
 
-    def _find_need(self) -> tuple[int, int]:
+    def _find_need(self) -> tuple[int, int, int]:
         """Returns how long after the last word no data is needed, and up to which time then.
 
-        Reading each transfer as it comes would take half as much processor time again.
+        Reading each transfer as it comes would take half as much processor time again. While
+        nothing happens, slices are joined, so Python need not come for each of them.
+
+        Returns:
+            The time of rest in µs; the time word; and how many events in ``LOOK_US`` may be noise,
+            0 if the rest does not end before.
         """
-        if self._is_idle:
-            return CALM_REST_US, ANY_TIME
+        calm = self._find_calm() if self._is_idle else None
+        if calm is not None:
+            rest_us = calm.until_us + self._slice_us - self._decoder.now_us
+            return rest_us, ANY_TIME, round(calm.n_events * LOOK_US / self._slice_us)
         due_us = self._find_due()
         rest_us = due_us - self._decoder.now_us
         if rest_us > MOST_REST_US:
-            return MOST_REST_US, ANY_TIME
-        return rest_us, self._decoder.find_word(due_us)
+            return MOST_REST_US, ANY_TIME, 0
+        return rest_us, self._decoder.find_word(due_us), 0
 
     def _find_due(self) -> int:
         """Returns when the next slice is due, or the partial slice before it."""
@@ -185,9 +191,9 @@ class Stream:
         has_partial = self._partial_us != self.end_us and due_us - self.end_us >= SHORTEST_US
         return due_us - PARTIAL_US if has_partial else due_us
 
-    def _pump(self, rest_until_s: float, time_word: int) -> None:
+    def _pump(self, rest_until_s: float, time_word: int, most_noise: int) -> None:
         try:
-            self._camera.transport.pump(PUMP_S, rest_until_s, time_word)
+            self._camera.transport.pump(PUMP_S, rest_until_s, time_word, most_noise)
         except StreamHaltedError:
             self._stalls_s.append(time.monotonic())
             if _are_many(self._stalls_s):

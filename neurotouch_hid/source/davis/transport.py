@@ -8,6 +8,10 @@ from neurotouch_hid.errors import CameraError
 TIMEOUT_MS = 1_000
 """How long the camera may take to answer a request."""
 
+LOOK_US = 8_000
+"""How often a transport looks at what has come while it rests for long. The first motion is seen
+half of this later on average. At 12 million events/s it fills half of the transfers."""
+
 ANY_TIME = -1
 """No time of the camera is needed: any data will do."""
 
@@ -39,7 +43,7 @@ class Transport(Protocol):
         """
         ...
 
-    def pump(self, timeout_s: float, rest_until_s: float, time_word: int) -> None:
+    def pump(self, timeout_s: float, rest_until_s: float, time_word: int, most_noise: int) -> None:
         """Delivers the data that has arrived; if there is none, waits about ``timeout_s`` for it.
 
         Args:
@@ -48,6 +52,8 @@ class Transport(Protocol):
                 loses nothing meanwhile may sleep, and then wait for later data.
             time_word: a time of the camera up to which data is needed then, 15 bits; or ANY_TIME.
                 A transport may wait a little for it.
+            most_noise: if not 0, the rest ends as soon as more events come in ``LOOK_US``:
+                something happens.
 
         Raises:
             CameraGoneError: the camera is gone.

@@ -99,7 +99,7 @@ class Cable:
         self.receive = receive
         self.data.clear_halt()
 
-    def pump(self, timeout_s, rest_until_s, time_word):
+    def pump(self, timeout_s, rest_until_s, time_word, most_noise):
         for _ in range(round(timeout_s / LOOK_S)):
             self.step()
             camera = self.camera  # another thread may pull it out

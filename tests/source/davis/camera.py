@@ -92,8 +92,9 @@ class ScriptedCamera:
         self.receive = receive
         self.n_queued += 1
 
-    def pump(self, timeout_s, rest_until_s, time_word):
+    def pump(self, timeout_s, rest_until_s, time_word, most_noise):
         self.rests.append((time.monotonic(), rest_until_s))
+        self.most_noise = most_noise
         if not self.script:
             time.sleep(0.002)
             if not self.silent:

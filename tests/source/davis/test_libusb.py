@@ -11,11 +11,13 @@ from neurotouch_hid.process.kernel_cache import bind
 from neurotouch_hid.source.camera_errors import CameraGoneError
 from neurotouch_hid.source.davis import libusb
 from neurotouch_hid.source.davis.kernels.transfers import Calls, make_transfers, pump
-from neurotouch_hid.source.davis.transport import ANY_TIME, StreamHaltedError
+from neurotouch_hid.source.davis.transport import ANY_TIME, LOOK_US, StreamHaltedError
 
 N = 4
 REST_S = 0.004
 """Data is needed then; the clock begins at 0."""
+LOOK_S = 1e-6 * LOOK_US
+EVENT, SAMPLE = b"\x06\x30", b"\x07\x40"
 
 
 class Scripted(libusb.LibusbTransport):
@@ -72,8 +74,8 @@ class Scripted(libusb.LibusbTransport):
         self._transfers.data[k, : len(data)] = list(data)
         fields.actual_length, fields.status = len(data), status
 
-    def read(self, rest_s=0.0, time_word=ANY_TIME):
-        self.pump(0.05, rest_s, time_word)
+    def read(self, rest_s=0.0, time_word=ANY_TIME, most_noise=0):
+        self.pump(0.05, rest_s, time_word, most_noise)
 
     def received_at_once(self):
         return b"".join(self.received).decode()
@@ -123,6 +125,36 @@ def test_a_thread_that_wakes_late_takes_what_is_there():
     assert transport.received == [b"01"]
 
 
+@pytest.mark.parametrize(("word", "n_looks"), [(EVENT, 3), (SAMPLE, 6)])
+def test_a_long_rest_ends_when_more_events_come_than_noise_makes(word, n_looks):
+    transport = Scripted([0], [1], [2, 3], [], [0], [1], words=[word] * N)
+    transport.read(6 * LOOK_S, most_noise=1)
+    assert len(transport.ends) == 6 - n_looks
+    assert abs(1e-9 * transport.now_ns - n_looks * LOOK_S) < 0.001
+
+
+def test_a_long_rest_ends_with_data_that_has_just_come():
+    transport = Scripted([0], [1], [2], words=[EVENT] * N)
+    transport.read(2.9 * LOOK_S, most_noise=1)
+    assert transport.received == [EVENT * 3]
+
+
+def test_a_long_rest_ends_when_a_transfer_fails():
+    transport = Scripted([], [0], [2], words=[EVENT] * N)
+    transport.end(1, usb1.TRANSFER_ERROR)
+    transport._submit = lambda number: 0
+    transport.read(100 * LOOK_S, most_noise=9)
+    assert transport.received == [EVENT, EVENT, b""]
+    assert len(transport.ends) == 1
+
+
+def test_a_rest_without_noise_does_not_look():
+    transport = Scripted([0])
+    transport.read(10 * LOOK_S)
+    assert not transport.ends
+    assert transport.received == [b"0"]
+
+
 @pytest.mark.parametrize(
     ("ends", "received"),
     [
@@ -165,3 +197,9 @@ def test_a_camera_that_takes_no_transfer_back_is_an_error_after_its_data(error, 
     with pytest.raises(raised):
         transport.read()
     assert transport.received[0] == b"0"
+
+
+def test_a_long_rest_ends_before_there_is_no_room():
+    transport = Scripted([0, 1], [2], [3], words=[SAMPLE * 4] * N)
+    transport.read(100 * LOOK_S, most_noise=9)
+    assert transport.received == [SAMPLE * 12]

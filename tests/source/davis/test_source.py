@@ -23,6 +23,7 @@ from neurotouch_hid.source.davis.registers import CoarseFine
 from neurotouch_hid.source.davis.stream import IDLE_FRAME_S, MAX_FAULTS, PARTIAL_US
 from neurotouch_hid.source.davis.transport import StreamHaltedError
 from neurotouch_hid.source.davis.usb import Usb
+from neurotouch_hid.source.slice_pacer import LONGEST_US
 from tests.source.davis.camera import INFO, ScriptedCamera, gone, make_events
 from tests.source.davis.words import pack
 from tests.source.taking import take
@@ -175,6 +176,20 @@ def test_a_camera_rests_while_nothing_happens_and_wakes_up_at_the_first_motion()
         play_calm(camera, source, stream, lambda: WAKE[1] in asked(camera))
         woke = asked(camera).index(WAKE[1])
         assert asked(camera)[woke - 1 : woke + 1] == WAKE
+
+
+def test_a_camera_that_rests_is_read_when_joined_slices_are_due_or_more_than_noise_has_come():
+    camera, stream = ScriptedCamera(), noise()
+    with open_camera(camera, slice_us=4_000) as source:
+        play_calm(camera, source, stream, lambda: len(asked(camera)) >= 2)
+        del camera.rests[:]
+        play_calm(camera, source, stream, lambda: len(camera.rests) >= 50)
+        longest_s = max(until_s - begun_s for begun_s, until_s in camera.rests)
+        assert 1e-6 * (LONGEST_US - 4_000) <= longest_s <= 1e-6 * (LONGEST_US + 4_000)
+        assert 4 < camera.most_noise < 30  # 4 events a slice are usual
+        camera.script.append(BURST)
+        play_calm(camera, source, stream, lambda: WAKE[1] in asked(camera))
+        play_calm(camera, source, stream, lambda: camera.most_noise == 0)
 
 
 def play_motion(camera, source, stream, n):

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from neurotouch_hid.process.c_call import call_c
 from neurotouch_hid.process.kernel_cache import kernel, load
-from neurotouch_hid.source.davis.kernels.decode import WRAP_US
-from neurotouch_hid.source.davis.transport import ANY_TIME
+from neurotouch_hid.source.davis.kernels.decode import COLUMN_OFF, WRAP_US
+from neurotouch_hid.source.davis.transport import ANY_TIME, LOOK_US
 
 Numbers = NDArray[np.int64]
 Bytes = NDArray[np.uint8]
@@ -23,6 +23,7 @@ _NO_DEVICE, _INTERRUPTED = -4, -10  # errors of libusb
 _MONOTONIC, _ABSOLUTE = 1, 1  # clock and flag of Linux
 _INT_BYTES = 4
 _SECOND_NS, _SECOND_US = 1_000_000_000, 1_000_000
+_LOOK_NS = 1_000 * LOOK_US
 _WAKE_NS = 60_000
 """The thread wakes up this time before data is needed. What has come by then is not enough."""
 _PATIENCE_NS = 300_000
@@ -75,6 +76,7 @@ def pump(
     timeout_us: int,
     rest_until_ns: int,
     time_word: int,
+    most_noise: int,
 ) -> tuple[int, int]:
     """Sleeps, waits for transfers to end, and takes them.
 
@@ -87,16 +89,28 @@ def pump(
         timeout_us: how long to wait for a transfer.
         rest_until_ns: no data is needed before this time of the monotonic clock.
         time_word: time of the camera up to which data is needed then, 15 bits; or ANY_TIME.
+        most_noise: if not 0, the rest ends as soon as more events come in ``LOOK_US``.
 
     Returns:
         How many bytes were taken, and 0 or an error of libusb.
     """
     times = np.empty(2, np.int64)
-    wake_ns = rest_until_ns - _WAKE_NS
-    times[0], times[1] = wake_ns // _SECOND_NS, wake_ns % _SECOND_NS
-    call_c(calls.clock_nanosleep, (_MONOTONIC, _ABSOLUTE, times.ctypes.data, 0))
-    result, begin, end = 0, 0, _take(calls, transfers, in_flight, 0)
-    is_enough = end > 0 and _has_come(transfers.taken[:end], time_word)
+    result = begin = end = 0
+    while most_noise:
+        now_ns = _read_clock(calls, times)
+        if now_ns + _LOOK_NS >= rest_until_ns:
+            break
+        _sleep(calls, times, now_ns + _LOOK_NS)
+        times[0] = times[1] = 0
+        result = call_c(calls.handle_events, (calls.context, times.ctypes.data))
+        begin, end = end, _take(calls, transfers, in_flight, end)
+        is_over = result != 0 or end > len(transfers.taken) // 2
+        is_over = is_over or _count_events(transfers.taken[begin:end]) > most_noise
+        if is_over or _has_failed(calls, transfers, in_flight):
+            return end, 0 if result == _INTERRUPTED else result
+    _sleep(calls, times, rest_until_ns - _WAKE_NS)
+    begin, end = end, _take(calls, transfers, in_flight, end)
+    is_enough = begin < end and _has_come(transfers.taken[begin:end], time_word)
     while not (is_enough or _has_failed(calls, transfers, in_flight)):
         times[0], times[1] = timeout_us // _SECOND_US, timeout_us % _SECOND_US
         result = call_c(calls.handle_events, (calls.context, times.ctypes.data))
@@ -104,8 +118,7 @@ def pump(
         if begin == end:
             _pass_over_lost(calls, transfers, in_flight)
             end = _take(calls, transfers, in_flight, end)
-        call_c(calls.clock_gettime, (_MONOTONIC, times.ctypes.data))
-        is_late = _SECOND_NS * times[0] + times[1] >= rest_until_ns + _PATIENCE_NS
+        is_late = _read_clock(calls, times) >= rest_until_ns + _PATIENCE_NS
         has_none = begin == end or result != 0
         is_enough = is_late or has_none or _has_come(transfers.taken[begin:end], time_word)
     return end, 0 if result == _INTERRUPTED else result
@@ -114,7 +127,22 @@ def pump(
 def load_pump() -> None:
     """Compiles or loads ``pump``, before a camera's data waits for it."""
     in_flight = np.empty(0, np.int64)
-    load(pump, Calls(0, 0, 0, 0, 0, 0), make_transfers(0, 0), in_flight, 0, 0, 0)
+    load(pump, Calls(0, 0, 0, 0, 0, 0), make_transfers(0, 0), in_flight, 0, 0, 0, 0)
+
+
+@kernel
+def _read_clock(calls: Calls, times: Numbers) -> int:
+    """Returns the time of the monotonic clock in ns; ``times`` is written."""
+    call_c(calls.clock_gettime, (_MONOTONIC, times.ctypes.data))
+    now_ns: int = _SECOND_NS * times[0] + times[1]
+    return now_ns
+
+
+@kernel
+def _sleep(calls: Calls, times: Numbers, until_ns: int) -> None:
+    """Sleeps until a time of the monotonic clock; ``times`` is written."""
+    times[0], times[1] = until_ns // _SECOND_NS, until_ns % _SECOND_NS
+    call_c(calls.clock_nanosleep, (_MONOTONIC, _ABSOLUTE, times.ctypes.data, 0))
 
 
 @kernel
@@ -166,6 +194,15 @@ def _move_back(in_flight: Numbers, n: int) -> None:
     """Puts the first n behind the others."""
     if n:
         in_flight[:] = np.concatenate((in_flight[n:], in_flight[:n]))
+
+
+@kernel
+def _count_events(data: Bytes) -> int:
+    """Returns how many events there are: each has a column word of its own."""
+    n = 0
+    for k in range(1, len(data), 2):
+        n += data[k] & 0xE0 == COLUMN_OFF << 4
+    return n
 
 
 @kernel
