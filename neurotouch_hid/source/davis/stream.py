@@ -125,7 +125,8 @@ class Stream:
             self._check(looked_s)
             if self.end_us > end_us:  # a slice: its last word has just come
                 self._pace_camera(now_s)
-            rest_us, time_word, most_noise = self._find_need()
+            has_woken = most_noise > 0 and now_s < rest_until_s
+            rest_us, time_word, most_noise = self._find_need(has_woken=has_woken)
             rest_until_s = now_s + 1e-6 * rest_us
             if now_s - asked_s >= COUNT_S:
                 asked_s = now_s
@@ -165,17 +166,20 @@ class Stream:
             return
         self._is_idle, self._paced_s = may_idle, now_s
 
-    def _find_need(self) -> tuple[int, int, int]:
+    def _find_need(self, *, has_woken: bool) -> tuple[int, int, int]:
         """Returns how long after the last word no data is needed, and up to which time then.
 
         Reading each transfer as it comes would take half as much processor time again. While
         nothing happens, slices are joined, so Python need not come for each of them.
 
+        Args:
+            has_woken: more than noise has ended the last rest, so the slice is needed at its end.
+
         Returns:
             The time of rest in µs; the time word; and how many events in ``LOOK_US`` may be noise,
             0 if the rest does not end before.
         """
-        calm = self._find_calm() if self._is_idle else None
+        calm = self._find_calm() if self._is_idle and not has_woken else None
         if calm is not None:
             rest_us = calm.until_us + self._slice_us - self._decoder.now_us
             return rest_us, ANY_TIME, round(calm.n_events * LOOK_US / self._slice_us)
