@@ -231,6 +231,7 @@ def test_what_is_spoken_is_chosen_and_remembered(play, name, level):
     driver.show()
     wait_for(page, "driver-state", "Running")
     assert page.input_value("#spoken") == level
+    page.clock.fast_forward(2_000)  # "Running." is said
     spoken = play_changes(page, driver)
     if level == "none":
         assert spoken == []

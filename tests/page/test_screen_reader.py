@@ -154,8 +154,8 @@ def test_what_moves_all_the_time_is_no_live_region(view, own, open_page):
 
 
 def test_the_gel_takes_the_keys_of_a_reader_and_is_no_end_of_the_page(bare, view, open_page):
-    """Orca passes keys on only if the focused element is an application itself, and goes back to the
-    top of the page behind an application in which nothing is shown."""
+    """Orca passes keys on only if the focused element is an application itself, and goes back to
+    the top of the page behind an application in which nothing is shown."""
     page = open_page(bare.page("gel"))
     page.focus("#gel")
     role, name = Reader(page).focus()
@@ -189,7 +189,7 @@ def test_no_old_sentence_is_left_to_be_read_again(view, own, open_page):
     reader = Reader(page)
     page.click("[aria-label^='Remove pinch']")
     reader.wait_to_hear("It applies now.")
-    said = """() => [...document.querySelectorAll('[role=status], [role=alert], [aria-live], output')]
+    said = """() => [...document.querySelectorAll('[role=status], [role=alert], [aria-live]')]
         .filter((each) => each.checkVisibility() && each.ariaLive !== 'off')
         .map((each) => each.textContent).join('')"""
     wait_on(page, lambda: page.evaluate(said) == "")

@@ -137,8 +137,8 @@ export function element(name, attributes = {}, ...children) {
   return made;
 }
 
-// Gives a list these options, [value, text] each. An option that is there stays: a screen reader takes
-// a new one for the person's choice, and leaves the place where it reads.
+// Gives a list these options, [value, text] each. An option that is there stays: a screen reader
+// takes a new one for the person's choice, and leaves the place where it reads.
 export function showOptions(select, options) {
   const before = new Map([...select.options].map((option) => [option.value, option]));
   const wanted = options.map(([value, text]) => {

@@ -30,7 +30,8 @@ export function makeCurve({ canvas, handles, select, save, words }) {
   function showBindings(layer, mayEdit) {
     edit = mayEdit;
     bindings = (layer ? layer.bindings : []).filter((binding) => binding.samples);
-    showOptions(select, bindings.map((binding, i) => [String(i), `${binding.when} → ${binding.do}`]));
+    showOptions(select, bindings.map((binding, i) =>
+      [String(i), `${binding.when} → ${binding.do}`]));
     if (chosen >= bindings.length) chosen = 0;
     select.value = String(chosen);
     select.hidden = !bindings.length;
