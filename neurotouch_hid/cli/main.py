@@ -87,6 +87,8 @@ def cli(ctx: click.Context) -> None:
 
     Without a command: the present state, the next step and, on a desktop, the page.
 
+    For screen readers: set NT_ACCESSIBLE=1. Then every command prints plain lines without pictures.
+
     Exit codes: 0 done, 1 other failure, 2 wrong usage, 3 source, 4 recording or labels, 5 no gel in
     the picture, 6 profile, 7 virtual gamepad, 8 no driver runs, or it refuses or does not
     end, 75 another driver runs or another program has the camera, 130 interrupted.

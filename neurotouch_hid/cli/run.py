@@ -79,7 +79,8 @@ if TYPE_CHECKING:
     type=click.Choice(["auto", "picture", "lines", "nothing"]),
     default="auto",
     show_default=True,
-    help="What to print while playing; auto: a picture on a wide terminal, else lines.",
+    help="What to print while playing; auto: a picture on a wide terminal, else lines. Lines are "
+    "for screen readers, too.",
 )
 def command(
     profile: str | None,

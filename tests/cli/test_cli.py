@@ -376,3 +376,8 @@ def test_the_end_of_a_file_is_not_taken_for_ctrl_d():
     done = run_command(sys.executable, "-c", FAILING, code=1)
     assert "EOFError: half a file" in done.stderr
     assert "Stopped." not in done.stderr
+
+
+def test_the_help_says_how_a_screen_reader_gets_lines():
+    assert "NT_ACCESSIBLE=1" in neurotouch("--help").stdout
+    assert "screen readers" in neurotouch("run", "--help").stdout

@@ -151,3 +151,46 @@ def test_what_moves_all_the_time_is_no_live_region(view, own, open_page):
     reader.forget()
     page.wait_for_timeout(2000)
     assert reader.heard() == []
+
+
+def test_the_gel_takes_the_keys_of_a_reader_and_is_no_end_of_the_page(bare, view, open_page):
+    """Orca passes keys on only if the focused element is an application itself, and goes back to
+    the top of the page behind an application in which nothing is shown."""
+    page = open_page(bare.page("gel"))
+    page.focus("#gel")
+    role, name = Reader(page).focus()
+    assert role == "application"
+    assert name.startswith("The gel: press it with mouse or fingers, or with the arrow keys")
+    for home in (bare.home, view.home):
+        page = open_page(home)
+        page.wait_for_selector("#cards:not([hidden])")
+        assert Reader(page).find("application") == []
+
+
+def test_a_list_that_is_told_again_keeps_its_options(view, own, open_page):
+    """Orca takes new options for the person's choice: it says the list, and reads on from there."""
+    page = open_page(view.home)
+    page.wait_for_selector("#cards:not([hidden])")
+    options = "[...document.querySelectorAll('#profile-choice option')]"
+    page.wait_for_function(f"() => {options}.length > 1")
+    page.evaluate(f"() => {{ window.before = {options}; }}")
+    page.click("[aria-label^='Remove pinch']")
+    wait_for(page, "saved", "It applies now.")
+    page.wait_for_function("() => !document.querySelector('#undo[aria-disabled=true]')")
+    page.select_option("#profile-choice", "racing")  # one message later, so the list has come too
+    wait_for(page, "plays", "Below is what racing does")
+    assert page.evaluate(f"() => window.before.every((each, i) => each === {options}[i])")
+
+
+def test_no_old_sentence_is_left_to_be_read_again(view, own, open_page):
+    """A reader reads live regions again when a dialog closes: 'Removed' after a mere look."""
+    page = open_page(view.home)
+    page.wait_for_selector("#cards:not([hidden])")
+    reader = Reader(page)
+    page.click("[aria-label^='Remove pinch']")
+    reader.wait_to_hear("It applies now.")
+    said = """() => [...document.querySelectorAll('[role=status], [role=alert], [aria-live]')]
+        .filter((each) => each.checkVisibility() && each.ariaLive !== 'off')
+        .map((each) => each.textContent).join('')"""
+    wait_on(page, lambda: page.evaluate(said) == "")
+    assert "It applies now." in page.text_content("#saved")

@@ -1,7 +1,7 @@
 // Chooses a movement's output: from a picture of the gamepad, from a list, or by pressing the key or
 // the button.
 
-import { element } from "../shared/wire.js";
+import { element, showOptions } from "../shared/wire.js";
 import { makePad } from "../shared/pad.js";
 import { hasGamepads, makePadListener } from "./gamepads.js";
 import { nameKey } from "./keys.js";
@@ -105,10 +105,10 @@ export function makeChooser(dialog, { bind, closed, isQuiet }) {
   function listOwn(layer) {
     own = (layer ? layer.bindings : [])
       .filter((each) => each.key !== null && belongs(each, movement));
-    find("instead-choice").replaceChildren(
-      ...own.map((each) => element("option", { value: each.key,
-        text: `${each.when}, ${nameOutput(groups, each.do)}` })),
-      element("option", { value: "", text: "nothing: keep both" }));
+    showOptions(find("instead-choice"), [
+      ...own.map((each) => [each.key, `${each.when}, ${nameOutput(groups, each.do)}`]),
+      ["", "nothing: keep both"],
+    ]);
   }
 
   return {
@@ -128,8 +128,7 @@ export function makeChooser(dialog, { bind, closed, isQuiet }) {
     setOutputs(given) {
       const chosen = find("group-choice").value;
       groups = given;
-      find("group-choice").replaceChildren(...groups.map(({ name }) =>
-        element("option", { value: name, text: name })));
+      showOptions(find("group-choice"), groups.map(({ name }) => [name, name]));
       if (dialog.open && groups.length) showGroup(chosen || groups[0].name); // it came late
     },
     name: (output) => nameOutput(groups, output),

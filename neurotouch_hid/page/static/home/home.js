@@ -3,7 +3,7 @@
 import { MOUSE, makeGel, makeGestureButtons } from "../gel/pressed_gel.js";
 import { openPage } from "../shared/header.js";
 import { makeUndo } from "../shared/undo.js";
-import { element } from "../shared/wire.js";
+import { showOptions } from "../shared/wire.js";
 import { makeCalibration } from "./calibration.js";
 import { makeCheck } from "./check.js";
 import { makeChooser } from "./chooser.js";
@@ -16,6 +16,9 @@ import { makeTrial } from "./trial.js";
 
 const HZ = 30;
 const EDITS = ["check", "remote", "undo", "profile-use", "profile-copy", "range-undo", "own-undo"];
+// What is said here is announced once, by the header. As live regions of their own, a screen reader
+// would read all of them again whenever a dialog closes.
+const ANNOUNCED = ["saved", "trial", "range-said", "own-said", "check-state", "remote-state"];
 const PAUSE = { do: "pause", for: "movement" }; // which ends with this page
 
 const find = (id) => document.getElementById(id);
@@ -191,7 +194,9 @@ function showRange() {
 }
 
 function say(id, text) {
-  if (find(id).textContent !== text) find(id).textContent = text;
+  if (find(id).textContent === text) return;
+  find(id).textContent = text;
+  if (ANNOUNCED.includes(id)) page.tell(text);
 }
 
 // 2 What each movement does
@@ -274,8 +279,7 @@ function showLayer() {
   const { layers = [], edit, fault } = findShown();
   find("cards").hidden = !isKnown || Boolean(fault); // of a broken profile nothing is known
   if (!layers.some((each) => each.name === layer)) layer = layers.length ? layers[0].name : "";
-  find("layer-choice").replaceChildren(...layers.map(({ name }) =>
-    element("option", { value: name, text: name })));
+  showOptions(find("layer-choice"), layers.map(({ name }) => [name, name]));
   find("layer-choice").value = layer;
   for (const id of ["layer-choice", "layer-label"]) find(id).hidden = layers.length < 2;
   // New buttons must not lose the focus: it goes to the same place, or to its card.

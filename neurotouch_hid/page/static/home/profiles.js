@@ -1,6 +1,6 @@
 // The list of profiles: which one plays, and which other one a person only looks at.
 
-import { element } from "../shared/wire.js";
+import { showOptions } from "../shared/wire.js";
 
 const NOTHING = { layers: [], stops: [] }; // until the answer comes
 
@@ -16,8 +16,7 @@ export function makeProfiles(find, { say, look, changed }) {
 
   function show(found) {
     rows = found;
-    select.replaceChildren(...rows.map(({ name, own }) => element("option", { value: name,
-      text: own ? `${name} (yours)` : name })));
+    showOptions(select, rows.map(({ name, own }) => [name, own ? `${name} (yours)` : name]));
     tell();
   }
 

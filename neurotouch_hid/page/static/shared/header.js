@@ -194,8 +194,10 @@ export function openPage(hz, handlers, { gap_ms } = {}) {
 function build(header) {
   const word = element("span");
   const hint = element("kbd", { text: PAUSE_KEY.toUpperCase(), "aria-hidden": "true" });
+  // The state is no part of its description: a screen reader would say each change twice, and the
+  // older one last.
   const button = element("button", { type: "button", id: "pause-resume",
-    "aria-describedby": "driver-state pause-reason" }, word, hint);
+    "aria-describedby": "pause-reason" }, word, hint);
   const state = element("span", { id: "driver-state" });
   const reason = element("span", { id: "pause-reason", class: "aside" });
   const links = PAGES.map(([path, name]) => element("a", {

@@ -4,6 +4,8 @@ import { recall, remember } from "./memory.js";
 
 export const LEVELS = { all: "all", important: "important", none: "none" };
 const KEY = "neurotouch-spoken";
+const TOGETHER_MS = 100; // what comes at once is one sentence: a busy reader loses the first of two
+const KEPT_MS = 5000; // a screen reader would read the sentence again whenever a dialog closes
 
 // `say` is for frequent changes, `tell` for changes that a person must not miss: the driver's state,
 // profile, layer, refusals and errors. A change of numbers alone makes no sentence.
@@ -15,12 +17,11 @@ export function makeSpeech(region, gap_ms = 1500) {
   let waiting = []; // important sentences, in their order
   let due = 0;
   let timer = 0;
+  let ends = 0; // the timer that takes the sentence away
 
   function plan() {
     if (timer || (!waiting.length && newest === null)) return;
-    const wait = due - performance.now();
-    if (wait <= 0) speak();
-    else timer = setTimeout(speak, wait);
+    timer = setTimeout(speak, Math.max(due - performance.now(), TOGETHER_MS));
   }
 
   function speak() {
@@ -37,6 +38,8 @@ export function makeSpeech(region, gap_ms = 1500) {
     due = performance.now() + gap_ms;
     // The same words again are a change only if something differs.
     region.textContent = region.textContent === sentence ? `${sentence}\u00a0` : sentence;
+    clearTimeout(ends);
+    ends = setTimeout(() => { region.textContent = ""; }, KEPT_MS);
     plan();
   }
 

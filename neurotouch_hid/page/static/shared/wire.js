@@ -137,6 +137,21 @@ export function element(name, attributes = {}, ...children) {
   return made;
 }
 
+// Gives a list these options, [value, text] each. An option that is there stays: a screen reader
+// takes a new one for the person's choice, and leaves the place where it reads.
+export function showOptions(select, options) {
+  const before = new Map([...select.options].map((option) => [option.value, option]));
+  const wanted = options.map(([value, text]) => {
+    const option = before.get(value) || element("option", { value });
+    if (option.textContent !== text) option.textContent = text;
+    return option;
+  });
+  for (const option of before.values()) if (!wanted.includes(option)) option.remove();
+  wanted.forEach((option, i) => {
+    if (select.options[i] !== option) select.insertBefore(option, select.options[i] || null);
+  });
+}
+
 // A canvas in the screen's own pixels; colours come from the style sheet.
 export function prepareCanvas(canvas) {
   const ratio = Math.min(devicePixelRatio || 1, 2);

@@ -1,6 +1,6 @@
 // The response curve of a binding, with the hand's present point and those of the last 30 s.
 
-import { colour, element, prepareCanvas } from "../shared/wire.js";
+import { colour, element, prepareCanvas, showOptions } from "../shared/wire.js";
 import { layOut, makeMark, watchWidth } from "./marks.js";
 
 const KEPT_MS = 30000;
@@ -30,12 +30,8 @@ export function makeCurve({ canvas, handles, select, save, words }) {
   function showBindings(layer, mayEdit) {
     edit = mayEdit;
     bindings = (layer ? layer.bindings : []).filter((binding) => binding.samples);
-    select.replaceChildren(...bindings.map((binding, i) => {
-      const option = document.createElement("option");
-      option.value = String(i);
-      option.textContent = `${binding.when} → ${binding.do}`;
-      return option;
-    }));
+    showOptions(select, bindings.map((binding, i) =>
+      [String(i), `${binding.when} → ${binding.do}`]));
     if (chosen >= bindings.length) chosen = 0;
     select.value = String(chosen);
     select.hidden = !bindings.length;

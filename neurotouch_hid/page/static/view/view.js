@@ -2,7 +2,7 @@
 
 import { openPage } from "../shared/header.js";
 import { makeUndo } from "../shared/undo.js";
-import { element } from "../shared/wire.js";
+import { element, showOptions } from "../shared/wire.js";
 import { makeBars } from "./bars.js";
 import { drawDisc } from "../shared/disc.js";
 import { makeCurve } from "./curve.js";
@@ -231,8 +231,7 @@ function showEditor(found, edit) {
   const before = entries[Number(select.value)];
   entries = (found ? found.bindings : []).filter((binding) => binding.key !== null)
     .flatMap((binding) => listMarks(binding).map((mark) => ({ binding, mark })));
-  select.replaceChildren(...entries.map(({ binding, mark }, i) =>
-    element("option", { value: i, text: nameMark(binding, mark) })));
+  showOptions(select, entries.map(({ binding, mark }, i) => [String(i), nameMark(binding, mark)]));
   const again = before ? entries.findIndex(({ binding, mark }) =>
     binding.key === before.binding.key && mark === before.mark) : -1;
   if (entries.length) select.value = String(Math.max(again, 0));
