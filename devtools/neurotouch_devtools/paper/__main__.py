@@ -31,6 +31,7 @@ from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.evaluation.accuracy import Evaluation, evaluate_files
 from neurotouch_hid.evaluation.accuracy.report.pictures import draw_pictures
 from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.process.interrupts import handle_interrupts
 
 RESULTS: Final = "results.csv"
 METHODS: Final = ("paper", "neurotouch")
@@ -45,6 +46,7 @@ LIMIT_S: Final = 2 * 30 * 60.0
 
 def main() -> int:
     """Makes, compares and says; returns 1 if something differs."""
+    handle_interrupts()
     options = _parse()
     begun = _spend()
     try:
