@@ -65,7 +65,16 @@ def main() -> int:
 
 
 def _make(options: argparse.Namespace) -> list[str]:
-    """Returns what differs, after it has been printed; with ``--keep`` nothing is compared."""
+    """Returns what differs, after it has been printed; with ``--keep`` nothing is compared.
+
+    Raises:
+        NeuroTouchError: there is nothing to compare with, which is said before the long work.
+    """
+    if not options.keep and not (options.committed / RESULTS).is_file():
+        raise NeuroTouchError(
+            f"There is no file '{options.committed / RESULTS}' to compare with.",
+            hint="Run this in the folder of the source code: make paper",
+        )
     work = options.work / _digest()
     _remove_others(options.work, work)
     parts = [part for split in ("open", "judge") for part in list_parts(split)]
