@@ -72,8 +72,8 @@ def _make(options: argparse.Namespace) -> list[str]:
     """
     if not options.keep and not (options.committed / RESULTS).is_file():
         raise NeuroTouchError(
-            f"There is no file '{options.committed / RESULTS}' to compare with.",
-            hint="Run this in the folder of the source code: make paper",
+            f"There is no file '{options.committed / RESULTS}'.",
+            hint="Type 'make paper' in the folder of the source code.",
         )
     work = options.work / _digest()
     _remove_others(options.work, work)
