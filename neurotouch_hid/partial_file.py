@@ -7,6 +7,7 @@ import errno
 import os
 import shlex
 import stat
+from contextlib import suppress
 from pathlib import Path
 from typing import Self
 
@@ -99,6 +100,15 @@ def write_whole(path: Path, content: bytes) -> None:
         os.fsync(folder)
     finally:
         os.close(folder)
+
+
+def remove_left(folder: Path) -> None:
+    """Removes the temporary files of writers that were killed; those of living ones stay."""
+    for part in folder.glob(".*.partial"):
+        writer = part.suffixes[-2][1:] if len(part.suffixes) > 1 else ""
+        if writer.isdecimal() and not Path("/proc", writer).exists():
+            with suppress(OSError):
+                part.unlink()
 
 
 def suggest_fix(error: OSError) -> str:

@@ -4,6 +4,7 @@ import errno
 import os
 import re
 import stat
+import sys
 import threading
 from pathlib import Path
 
@@ -12,7 +13,14 @@ import pytest
 from neurotouch_hid.cli.ui.output import save_json
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.files.small_file import suggest_reading
-from neurotouch_hid.partial_file import PartialFile, suggest_fix, try_writing, write_whole
+from neurotouch_hid.partial_file import (
+    PartialFile,
+    remove_left,
+    suggest_fix,
+    try_writing,
+    write_whole,
+)
+from tests.processes import run_command
 
 ROOT = Path(__file__).parents[1]
 WRITES = re.compile(r"\.write_(text|bytes)\(|\.open\([\"'][wxa]|O_CREAT|mkstemp|NamedTemporary")
@@ -208,3 +216,18 @@ def test_a_missing_right_is_explained_with_the_folders_above(tmp_path):
     assert suggest_reading(IsADirectoryError(errno.EISDIR, "a folder", "x"), "Name a file.") == (
         "Name a file."
     )
+
+
+def test_what_a_killed_writer_left_goes_and_a_living_one_goes_on(tmp_path):
+    killed = run_command(sys.executable, "-c", "import os; print(os.getpid())").stdout.strip()
+    left = tmp_path / f".a.aedat4.{killed}.partial"
+    left.write_bytes(b"part")
+    strange = [tmp_path / name for name in (".partial", ".a.partial", "a.aedat4", ".1.partial.txt")]
+    for path in strange:
+        path.write_bytes(b"not ours")
+    with PartialFile(tmp_path / "b.aedat4") as living:
+        remove_left(tmp_path)
+        living.file.write(b"whole")
+    assert not left.exists()
+    assert all(path.exists() for path in strange)
+    assert (tmp_path / "b.aedat4").read_bytes() == b"whole"

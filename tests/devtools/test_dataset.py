@@ -1,5 +1,7 @@
 """The public data set: the same bytes twice, whole, and its splits share nothing."""
 
+import re
+
 import pytest
 from neurotouch_devtools.dataset import (
     EDITION,
@@ -14,6 +16,7 @@ from neurotouch_devtools.dataset import (
 from neurotouch_devtools.dataset.__main__ import OF_EDITION
 
 from neurotouch_hid.recording import labels_path, read_labels
+from tests.docs.prose import ROOT
 from tests.processes import run_command
 
 TINY = (
@@ -76,10 +79,17 @@ def test_what_is_missing_or_strange_is_named():
 def test_no_two_parts_share_people_or_gestures():
     parts = [part for split in SPLITS for part in list_parts(split)]
     assert len({part.seed for part in parts}) == len({part.folder for part in parts}) == 14
-    assert all(part.seed >= 900_000 for part in list_parts("judge"))
+    assert all(901_000 <= part.seed < 910_000 for part in list_parts("judge"))
     assert all(800_000 <= part.seed < 900_000 for part in list_parts("open"))
     later = [part.seed for split in SPLITS for part in list_parts(split, EDITION + 1)]
     assert not {part.seed for part in parts} & set(later)
+
+
+def test_our_notebooks_use_no_seed_of_the_judge():
+    notebooks = [*(ROOT / "docs" / "research").glob("notebook-*.md")]
+    assert len(notebooks) == 2
+    for path in notebooks:
+        assert re.findall(r"\b90[1-9],?\d{3}\b", path.read_text("utf-8")) == [], path.name
 
 
 def test_the_committed_checksums_are_of_these_parts():

@@ -2,8 +2,10 @@
 
 import re
 import shutil
+import sys
 
 import pytest
+from neurotouch_devtools.paper import __main__ as paper
 from neurotouch_devtools.paper import (
     compare_pictures,
     compare_results,
@@ -25,6 +27,16 @@ FIGURES = ROOT / "docs" / "research" / "figures"
 def committed():
     results = read_results((FIGURES / RESULTS).read_text())
     return results, {path.stem: path.read_text() for path in FIGURES.glob("*.svg")}
+
+
+def test_without_figures_to_compare_with_nothing_is_made(monkeypatch, capsys, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", ["paper"])
+    monkeypatch.setattr(paper, "handle_interrupts", lambda: None)
+    monkeypatch.setattr(paper, "make_parts", lambda *_, **__: pytest.fail("it began"))
+    assert paper.main() == 1
+    assert "There is no file 'docs/research/figures/results.csv'" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
 def test_what_is_committed_does_not_differ_from_itself(committed):

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import neurotouch_hid
+from neurotouch_hid.process.interrupts import EXIT_INTERRUPTED, handle_interrupts
 from neurotouch_hid.process.own_pool import open_pool
 from tests.room import bound, judge, matrix
 from tests.room.judge import measure
@@ -29,7 +30,16 @@ SIMULATOR = PACKAGE / "source" / "simulator"
 
 def main() -> int:
     """Measures, then prints the table; returns 1 if a recording could not be played."""
+    handle_interrupts()
     options = _parse()
+    try:
+        return _measure(options)
+    except KeyboardInterrupt:
+        print("Stopped. The same command continues.", file=sys.stderr)
+        return EXIT_INTERRUPTED
+
+
+def _measure(options: argparse.Namespace) -> int:
     conditions = _choose(options.only, options.count)
     made_by, judged_by = _digest(SIMULATOR), _digest(PACKAGE, judge.__file__, bound.__file__)
     work = [(condition, seed) for condition in conditions for seed in options.seeds]

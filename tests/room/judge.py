@@ -16,6 +16,7 @@ from neurotouch_hid.evaluation.accuracy import summarise
 from neurotouch_hid.evaluation.accuracy.comparison import Comparison
 from neurotouch_hid.evaluation.accuracy.label_track import LabelTrack
 from neurotouch_hid.messages import GestureKind, Step
+from neurotouch_hid.partial_file import remove_left
 from neurotouch_hid.recording import RecordingWriter, labels_path, read_labels, write_labels
 from tests.room.bound import find_bound
 from tests.room.matrix import Condition, simulate
@@ -33,6 +34,7 @@ def measure(
         return known
     for path in (recording, result):
         path.parent.mkdir(parents=True, exist_ok=True)
+    remove_left(recording.parent)
     record(condition, seed, recording)
     found = judge(recording)
     result.with_suffix(".part").write_text(json.dumps(found))

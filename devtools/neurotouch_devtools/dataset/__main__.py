@@ -14,6 +14,7 @@ from neurotouch_devtools.dataset.edition import EDITION, SPLITS, list_parts
 from neurotouch_devtools.dataset.writing import write_edition
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.process.interrupts import handle_interrupts
 
 OF_EDITION: Final = Path(__file__).parent / f"edition-{EDITION}.sha256"
 MOST_LINES: Final = 12
@@ -21,6 +22,7 @@ MOST_LINES: Final = 12
 
 def main() -> int:
     """Makes it; returns 1 if a file has other bytes than those of the edition, or on an error."""
+    handle_interrupts()
     options = _parse()
     parts = [part for split in options.split for part in list_parts(split)]
     begun = sum(os.times()[:4])

@@ -13,7 +13,7 @@ from neurotouch_hid.source.simulator.gel import Elasticity
 EDITION: Final = 1
 
 SPLITS: Final = {"open": 800_000, "judge": 900_000}
-"""The first seed of each split. Nobody looks at recordings of seeds from 900,000 on."""
+"""Below the first seed of each split. Nobody looks at those of ``judge``: 901,000 to 909,999."""
 
 SEEDS_OF_AN_EDITION: Final = 1000
 

@@ -31,6 +31,7 @@ from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.evaluation.accuracy import Evaluation, evaluate_files
 from neurotouch_hid.evaluation.accuracy.report.pictures import draw_pictures
 from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.process.interrupts import handle_interrupts
 
 RESULTS: Final = "results.csv"
 METHODS: Final = ("paper", "neurotouch")
@@ -45,6 +46,7 @@ LIMIT_S: Final = 2 * 30 * 60.0
 
 def main() -> int:
     """Makes, compares and says; returns 1 if something differs."""
+    handle_interrupts()
     options = _parse()
     begun = _spend()
     try:
@@ -63,7 +65,16 @@ def main() -> int:
 
 
 def _make(options: argparse.Namespace) -> list[str]:
-    """Returns what differs, after it has been printed; with ``--keep`` nothing is compared."""
+    """Returns what differs, after it has been printed; with ``--keep`` nothing is compared.
+
+    Raises:
+        NeuroTouchError: there is nothing to compare with, which is said before the long work.
+    """
+    if not options.keep and not (options.committed / RESULTS).is_file():
+        raise NeuroTouchError(
+            f"There is no file '{options.committed / RESULTS}'.",
+            hint="Type 'make paper' in the folder of the source code.",
+        )
     work = options.work / _digest()
     _remove_others(options.work, work)
     parts = [part for split in ("open", "judge") for part in list_parts(split)]

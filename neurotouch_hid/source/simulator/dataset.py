@@ -14,7 +14,7 @@ from neurotouch_hid.errors import RecordingError
 from neurotouch_hid.files.small_file import read_text
 from neurotouch_hid.geometry import PAPER_GEL, Gel
 from neurotouch_hid.messages import GestureKind
-from neurotouch_hid.partial_file import write_whole
+from neurotouch_hid.partial_file import remove_left, write_whole
 from neurotouch_hid.recording import (
     ClipWriter,
     Picture,
@@ -128,8 +128,8 @@ def write_dataset(
 ) -> list[Path]:
     """Writes one recording per gel, user and gesture, with labels; finished ones are kept.
 
-    A recording appears under its name only when it is complete; ``dataset.json`` lists the recipe
-    of each, so an interrupted run continues where it stopped.
+    ``dataset.json`` lists the recipe of each complete recording, so an interrupted run continues
+    where it stopped, and nothing of the interrupted recording is left.
 
     Args:
         out_dir: made if missing.
@@ -161,10 +161,14 @@ def write_dataset(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise RecordingError.of_writing(folder, error) from error
-    finished = read_manifest(folder)
+    begun = _read_begun(folder)
+    finished = begun or {}
     paths = [folder / f"{recipe.name}{suffix}" for recipe in recipes]
     if not replace:
-        _refuse_others(recipes, paths, finished)
+        _refuse_others(recipes, paths, begun)
+    remove_left(folder)
+    if begun is None:  # what is there from now on is ours, also if the first recording is stopped
+        _write_manifest(folder, finished)
     for i, (recipe, path) in enumerate(zip(recipes, paths, strict=True)):
         is_there = path.exists() and labels_path(path).exists()
         if not (is_there and finished.get(recipe.name) == recipe.describe()):
@@ -314,11 +318,11 @@ def _write_clip(simulator: Simulator, path: Path, mark: Simulation) -> Iterator[
 
 
 def _refuse_others(
-    recipes: Sequence[Recipe], paths: Sequence[Path], finished: Mapping[str, object]
+    recipes: Sequence[Recipe], paths: Sequence[Path], begun: Mapping[str, object] | None
 ) -> None:
     for recipe, path in zip(recipes, paths, strict=True):
-        made_from = finished.get(recipe.name)
-        was_stopped = made_from is None and bool(finished)
+        made_from = None if begun is None else begun.get(recipe.name)
+        was_stopped = made_from is None and begun is not None
         if was_stopped or made_from == recipe.describe():
             continue
         # A clip and a recording of one name share their labels.
@@ -334,11 +338,16 @@ def _refuse_others(
 
 def read_manifest(folder: Path) -> dict[str, object]:
     """Returns the recipe of each simulated recording in a folder; empty if none is known."""
+    return _read_begun(folder) or {}
+
+
+def _read_begun(folder: Path) -> dict[str, object] | None:
+    """Returns the recipes of the set that was begun in a folder, so far; None without a set."""
     try:
         content = json.loads(read_text(folder / MANIFEST, MAX_MANIFEST_BYTES))
     except (OSError, ValueError, RecursionError):
-        return {}  # no set here yet, or one that nobody can trust
-    return content if isinstance(content, dict) else {}
+        return None  # no set here yet, or one that nobody can trust
+    return content if isinstance(content, dict) else None
 
 
 def _write_manifest(folder: Path, finished: dict[str, object]) -> None:

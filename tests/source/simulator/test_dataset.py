@@ -1,5 +1,7 @@
 import json
+import os
 from collections import Counter
+from multiprocessing import get_context
 
 import numpy as np
 import pytest
@@ -61,6 +63,30 @@ def test_finished_recordings_are_kept_and_others_written_again(small_set):
     again = [path.stat().st_mtime_ns for path in paths]
     changed = [old != new for old, new in zip(stamps, again, strict=True)]
     assert changed == [False, True, True, False, False]
+
+
+@pytest.mark.parametrize("ending", [".mkv", ".aedat4"])
+def test_a_set_whose_first_recording_was_killed_goes_on_and_keeps_nothing_of_it(tmp_path, ending):
+    folder = tmp_path / "new"
+    nuisances = {"uvc": 20.0} if ending == ".mkv" else {}
+
+    def write_first(end):
+        def progress(now):
+            if now.share >= end:
+                os._exit(9)
+
+        dataset.write_dataset(folder, 1, 0.11, 2, progress, nuisances=nuisances)
+
+    killed = get_context("fork").Process(target=write_first, args=(0.5,))
+    killed.start()
+    killed.join()
+    assert killed.exitcode == 9
+    left = {path.name for path in folder.iterdir()}
+    assert any("user1-push" in name for name in left)
+    dataset.write_dataset(folder, users=1, minutes=0.11, seed=2, nuisances=nuisances)
+    names = [f"user1-{kind.label}" for kind in dataset.KINDS]
+    expected = {f"{name}{part}" for name in names for part in (ending, ".labels.csv")}
+    assert {path.name for path in folder.iterdir()} == expected | {dataset.MANIFEST}
 
 
 def test_another_set_is_never_replaced_unasked(small_set):
