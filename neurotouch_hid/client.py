@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from neurotouch_hid.errors import DriverError, NotRunningError
-from neurotouch_hid.ipc import StrangerError, connect_to
+from neurotouch_hid.ipc import StrangerError, connect_to, find_stopped_peer
 from neurotouch_hid.players import (
     PLAYERS,
     SERVICE_FOLDER,
@@ -377,6 +377,7 @@ def _ask_once(path: Path, question: bytes, patience_s: float) -> tuple[Reply, so
     try:
         with suppress(BrokenPipeError, ConnectionResetError):  # refused unread; the answer says why
             connection.sendall(question)
+        _require_moving(connection)
         answer = json.loads(_read_line(connection))
         if not isinstance(answer, dict):
             raise ValueError
@@ -384,9 +385,24 @@ def _ask_once(path: Path, question: bytes, patience_s: float) -> tuple[Reply, so
     except RecursionError:
         connection.close()
         raise ValueError from None
-    except (OSError, ValueError):
+    except (OSError, ValueError, DriverError):
         connection.close()
         raise
+
+
+def _require_moving(connection: socket.socket) -> None:
+    """Makes sure that the driver's process was not stopped; it would answer only afterwards.
+
+    Raises:
+        DriverError: it was.
+    """
+    pid = find_stopped_peer(connection)
+    if pid is not None:
+        raise DriverError(
+            "The driver was stopped, as by Ctrl-Z. It takes the command when it continues.",
+            hint=f"To continue it: kill -CONT {pid}. To end it now and release its pad: "
+            f"kill -9 {pid}",
+        )
 
 
 def _read_line(connection: socket.socket) -> bytes:
