@@ -51,7 +51,7 @@ class ProgramPauses:
     def serve(self, connection: socket.socket) -> None:
         """Pauses until the other end closes, or ends what it sends; in a thread of its own.
 
-        A line with the state of the pipeline follows the begin of the pause and its end.
+        A line with the state of the pipeline follows the start of the pause and its end.
         """
         try:
             _send(connection, self._change(1))

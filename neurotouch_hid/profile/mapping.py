@@ -70,7 +70,7 @@ class Mapping:
 
     @property
     def is_paused_for_program(self) -> bool:
-        """Whether it is paused because a program wants it, and not a person."""
+        """True while it is paused for a program, and not by a person."""
         return self._is_for_program
 
     @property
