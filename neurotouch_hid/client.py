@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 from neurotouch_hid.errors import DriverError, NotRunningError
-from neurotouch_hid.ipc import StrangerError, connect_to
+from neurotouch_hid.ipc import StrangerError, connect_to, find_stopped_peer
 from neurotouch_hid.players import (
     PLAYERS,
     SERVICE_FOLDER,
@@ -75,12 +75,54 @@ class Reached(NamedTuple):
         return "the service" if is_service_folder(self.folder) else "your driver"
 
 
+class ProgramPause:
+    """A pause of the nearest running driver, which ends with this process at the latest.
+
+    Attributes:
+        state: the driver's state now: ``panic`` if a panic came before; None while it has no data.
+
+    Raises:
+        NotRunningError: no driver is running.
+        DriverError: it does not answer, or it refuses.
+    """
+
+    def __init__(self) -> None:
+        _, self._connection = open_stream("pause_while_connected")
+        self._connection.settimeout(_PATIENCE_S)
+        try:
+            self.state = self._read().get("state")
+        except DriverError:
+            self._connection.close()
+            raise
+
+    def end(self) -> str:
+        """Ends it, and returns what the driver says of its state then; a second call must not be.
+
+        Raises:
+            DriverError: the driver has ended, or it does not answer.
+        """
+        with self._connection:
+            with suppress(OSError):  # the driver has ended
+                self._connection.shutdown(socket.SHUT_WR)
+            return get_text(self._read())
+
+    def _read(self) -> Reply:
+        try:
+            said = json.loads(_read_line(self._connection))
+        except (OSError, ValueError, RecursionError):
+            said = None
+        if not isinstance(said, dict):
+            raise DriverError("The driver does not answer.")
+        answer: Reply = make_value_printable(said)
+        return answer
+
+
 def ask(command: str, *, player: int | None = None, **arguments: Any) -> Reply:
     """Returns the nearest running driver's answer to a command.
 
     Args:
         command: ``reload``, ``status``, ``gel``, ``use``, ``settings``, ``pause``, ``resume``,
-            ``unpause``, which leaves a panic as it is, ``panic`` or ``stop``.
+            ``panic`` or ``stop``.
         player: the player number; None means the one of the environment.
         arguments: of the command: ``profile``, a name or an absolute path, for ``use``; for
             ``settings`` see ``handover``.
@@ -100,7 +142,7 @@ def ask_every(command: str, players: Iterable[int]) -> list[Reached]:
     """Sends a command to all drivers of these players at once, so that none waits for another.
 
     Args:
-        command: ``pause``, ``resume``, ``unpause``, ``panic``, ``stop`` or ``reload``.
+        command: ``pause``, ``resume``, ``panic``, ``stop`` or ``reload``.
         players: the player numbers: each may have one of this user, and one that is a service.
 
     Returns:
@@ -177,7 +219,8 @@ def open_stream(command: str) -> tuple[Reply, socket.socket]:
     """Returns the running driver's answer, and the socket on which it goes on speaking.
 
     Args:
-        command: ``record``: packets follow, until either end closes.
+        command: ``record``: packets follow, until either end closes; ``pause_while_connected``, see
+            ``ProgramPause``.
 
     Raises:
         NotRunningError: no driver is running.
@@ -334,6 +377,7 @@ def _ask_once(path: Path, question: bytes, patience_s: float) -> tuple[Reply, so
     try:
         with suppress(BrokenPipeError, ConnectionResetError):  # refused unread; the answer says why
             connection.sendall(question)
+        _require_moving(connection)
         answer = json.loads(_read_line(connection))
         if not isinstance(answer, dict):
             raise ValueError
@@ -341,9 +385,24 @@ def _ask_once(path: Path, question: bytes, patience_s: float) -> tuple[Reply, so
     except RecursionError:
         connection.close()
         raise ValueError from None
-    except (OSError, ValueError):
+    except (OSError, ValueError, DriverError):
         connection.close()
         raise
+
+
+def _require_moving(connection: socket.socket) -> None:
+    """Makes sure that the driver's process was not stopped; it would answer only afterwards.
+
+    Raises:
+        DriverError: it was.
+    """
+    pid = find_stopped_peer(connection)
+    if pid is not None:
+        raise DriverError(
+            "The driver was stopped, as by Ctrl-Z. It takes the command when it continues.",
+            hint=f"To continue it: kill -CONT {pid}. To end it now and release its pad: "
+            f"kill -9 {pid}",
+        )
 
 
 def _read_line(connection: socket.socket) -> bytes:

@@ -113,6 +113,17 @@ def find_peer(peer: socket.socket) -> int:
     return uid
 
 
+def find_stopped_peer(peer: socket.socket) -> int | None:
+    """Returns the process that listens at the other end, if it was stopped, as by Ctrl-Z."""
+    credentials = peer.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
+    pid: int = _CREDENTIALS.unpack(credentials)[0]
+    try:
+        state = Path(f"/proc/{pid}/stat").read_bytes().rpartition(b") ")[2][:1]
+    except OSError:  # it is another machine's, or hidden from us
+        return None
+    return pid if state in (b"T", b"t") else None
+
+
 def is_own_peer(peer: socket.socket) -> bool:
     """Returns True if the process at the other end is ours or root's."""
     return find_peer(peer) in (os.geteuid(), 0)

@@ -163,19 +163,20 @@ def _tell_unsaved(voice: "Voice", kept: "UnfinishedCalibration", *, guided: bool
 
 @contextmanager
 def _pause_driver(source: str, voice: "Voice") -> Iterator[None]:
-    """Pauses a running driver, which goes on afterwards unless a panic has stopped it."""
-    from neurotouch_hid.client import ask, ask_status, get_text
+    """Pauses a running driver, which goes on afterwards unless a person has stopped it."""
+    from neurotouch_hid.client import ProgramPause
 
-    if source != RUNNING_DRIVER or ask_status()["state"] != "running":
+    if source != RUNNING_DRIVER:
         yield
         return
-    ask("pause")
+    pause = ProgramPause()
     try:
-        voice.say("The running driver is paused until this ends.")
+        if pause.state != "panic":
+            voice.say("The running driver is paused until this ends.")
         yield
     finally:
         with suppress(DriverError):  # it has ended
-            voice.say(get_text(ask("unpause")))
+            voice.say(pause.end())
 
 
 def _guide(

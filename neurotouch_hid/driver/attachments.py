@@ -14,6 +14,7 @@ from neurotouch_hid.driver.extra_devices import find_extra_devices
 from neurotouch_hid.driver.packet_feed import PacketFeed
 from neurotouch_hid.driver.pad_opening import DriverPad
 from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.program_pauses import ProgramPauses
 from neurotouch_hid.driver.source_opening import describe_source
 from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.driver.told_window import ToldWindow
@@ -119,16 +120,19 @@ class Attachments(Closing):
             )
             closing.callback(self._follower.close)
         if self._socket is not None:
+            pauses = ProgramPauses(self.control)
             commands = Commands(
                 self.control,
                 self._profiles,
                 packet_feed,
+                pauses,
                 self._source,
                 surroundings,
                 self._describe,
                 self._told,
             )
-            self._socket.serve(commands.answer, {"record": packet_feed.serve})
+            streams = {"record": packet_feed.serve, "pause_while_connected": pauses.serve}
+            self._socket.serve(commands.answer, streams)
 
     def _open_hotkeys(self) -> None:
         keys, copilot = self._surroundings.settings.keys_of, self._pad.copilot

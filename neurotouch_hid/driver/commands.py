@@ -10,6 +10,7 @@ from typing import Any, Final, cast
 from neurotouch_hid.client import LOADING_S, REQUEST_S
 from neurotouch_hid.driver.packet_feed import PacketFeed
 from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.program_pauses import ProgramPauses
 from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.driver.told_window import ToldWindow
 from neurotouch_hid.errors import DriverError, NeuroTouchError
@@ -23,7 +24,7 @@ from neurotouch_hid.vocabulary import NAME_PATTERN, PipelineState
 COMMANDS: Final = (
     "pause",
     "resume",
-    "unpause",
+    "pause_while_connected",
     "panic",
     "stop",
     "reload",
@@ -66,6 +67,7 @@ class Commands:
         control: takes the commands for the pipeline.
         profiles: loads its profiles.
         packet_feed: hands out the packets that the pipeline gets.
+        pauses: pauses it for other programs.
         source: gives these packets.
         surroundings: the people, files and callbacks around the pipeline.
         describe: describes what surrounds the pipeline; called for each ``status``.
@@ -77,6 +79,7 @@ class Commands:
         control: PipelineControl,
         profiles: ProfileWatch,
         packet_feed: PacketFeed,
+        pauses: ProgramPauses,
         source: Source,
         surroundings: Surroundings,
         describe: Callable[[], Described],
@@ -85,6 +88,7 @@ class Commands:
         self._control = control
         self._profiles = profiles
         self._packets = packet_feed
+        self._pauses = pauses
         self._source = source
         self._end, self._people = surroundings.end, surroundings.people
         self._seed, self._gel_file = surroundings.seed, surroundings.gel_file
@@ -100,7 +104,7 @@ class Commands:
 
     def _apply(self, question: dict[str, Any], uid: int) -> Answer:
         match question["command"]:
-            case "pause" | "resume" | "unpause" | "panic" as command:
+            case "pause" | "resume" | "panic" as command:
                 return self._submit(cast(CommandName, command))
             case "stop":
                 return self._stop()
@@ -110,20 +114,27 @@ class Commands:
                 return self._use(question.get("profile"))
             case "status" | "gel" as asked:
                 return self._tell(asked)
-            case "record":
-                self._packets.require_place()
-                return {
-                    "ok": True,
-                    "source": self._source.name,
-                    "simulated": self._source.is_simulated,
-                    "seed": self._seed,
-                    "text": "Packets follow.",
-                }
+            case "record" | "pause_while_connected" as begun:
+                return self._begin_stream(begun)
             case unknown:
                 raise DriverError(
                     f"There is no command '{make_printable(unknown[:64])}'.",
                     hint=f"Commands: {', '.join(COMMANDS)}.",
                 )
+
+    def _begin_stream(self, begun: str) -> Answer:
+        """Returns the first line of an answer that goes on for as long as the connection."""
+        if begun == "pause_while_connected":
+            self._pauses.require_place()
+            return {"ok": True, "text": "The state follows, now and at the end of the pause."}
+        self._packets.require_place()
+        return {
+            "ok": True,
+            "source": self._source.name,
+            "simulated": self._source.is_simulated,
+            "seed": self._seed,
+            "text": "Packets follow.",
+        }
 
     def _tell(self, asked: str) -> Answer:
         if asked == "status":

@@ -21,7 +21,8 @@ from neurotouch_hid.ipc import find_peer, listen_at, read_object
 from neurotouch_hid.players import PLAYERS, find_socket, list_runtime_folders, name_command
 from neurotouch_hid.status import Answer, Refusal
 
-MAX_CLIENTS: Final = 8
+MAX_CLIENTS: Final = 12
+"""A few more than those that stay: those that record, and those that have paused the driver."""
 
 _BACKLOG: Final = 1024
 """Clients in the kernel's queue: a crowd of strangers must not fill it."""

@@ -113,6 +113,12 @@ class PictureMonitor:
             self._begun_us = step.gesture.t_us
         self._step = step
 
+    def leave(self) -> None:
+        """Leaves the last picture, because the process stops for a while."""
+        self._height = 0
+        self._out.write("\x1b[?25h")
+        self._out.flush()
+
     def close(self) -> None:
         """Leaves the last picture and shows the cursor again."""
         self._done.set()

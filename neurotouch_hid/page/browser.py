@@ -10,6 +10,8 @@ from typing import Any, Unpack
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
+from neurotouch_hid.client import ProgramPause
+from neurotouch_hid.errors import DriverError
 from neurotouch_hid.page.guard import Rate
 from neurotouch_hid.page.messages import PageMessage
 
@@ -18,18 +20,25 @@ class Browser:
     """A browser that shows a page. A slow one misses states: only the newest state waits.
 
     Attributes:
-        pauses: the driver is paused for as long as this browser waits for a movement.
+        pause: of the driver, while this browser waits for a movement.
     """
 
     def __init__(self, socket: ServerConnection) -> None:
         self.socket = socket
         self.hz = 0
         self.rate = Rate()
-        self.pauses = False
+        self.pause: ProgramPause | None = None
         self._state: bytes | None = None
         self._words: list[str] = []
         self._due_s = 0.0
         self._bell = asyncio.Event()
+
+    def end_pause(self) -> None:
+        """Ends the pause, if there is one; it may take as long as an answer of the driver."""
+        pause, self.pause = self.pause, None
+        if pause is not None:
+            with suppress(DriverError):  # it has ended
+                pause.end()
 
     def queue_state(self, state: bytes) -> None:
         """Queues the newest state, if it is time for one."""

@@ -177,10 +177,7 @@ class Hub:
             await browser.talk(partial(self._hear, browser))
         finally:
             self._browsers.discard(browser)
-            if browser.pauses:  # nobody else goes on
-                with suppress(NeuroTouchError):
-                    request = {"do": "resume", "for": "movement"}
-                    await self._requests.carry_out(request, self._path)
+            await asyncio.to_thread(browser.end_pause)
             self._set_rate()
 
     async def close(self) -> None:
@@ -262,11 +259,13 @@ class Hub:
                 case "throughput":
                     figures = await asyncio.to_thread(_measure, request.get("trials"))
                     browser.tell(throughput=figures, n=n)
-                case verb:
-                    reply = await self._requests.carry_out(request, self._path)
-                    if verb in ("pause", "resume"):
-                        browser.pauses = verb == "pause" and request.get("for") == "movement"
+                case "pause" | "resume" as verb if request.get("for") == "movement":
+                    reply = await self._requests.pause_for_movement(browser, verb)
                     answer: PageMessage = {**reply, "n": n}
+                    browser.tell(**answer)
+                case _:
+                    reply = await self._requests.carry_out(request, self._path)
+                    answer = {**reply, "n": n}
                     self._look_at_profile()  # first: what is said to be saved is shown already
                     browser.tell(**answer)
         except NeuroTouchError as error:

@@ -7,10 +7,18 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import ask, ask_every, get_text, is_served, wait_until_ended
+from neurotouch_hid.client import (
+    ProgramPause,
+    ask,
+    ask_every,
+    get_text,
+    is_served,
+    wait_until_ended,
+)
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.address import write_secret
+from neurotouch_hid.page.browser import Browser
 from neurotouch_hid.page.edits import Changes, Wish
 from neurotouch_hid.page.guard import make_token
 from neurotouch_hid.page.messages import PageMessage, ProfileRow, ProgramNews, Remote
@@ -117,26 +125,36 @@ class Requests:
             return await asyncio.to_thread(self._looks[verb], request, file)
         if verb not in self._savers and verb not in self._handlers:
             raise PageError("There is no such request.")
+        self._require_edit()
+        if verb in self._savers:
+            return {"saved": await asyncio.to_thread(self._savers[verb], request, file)}
+        return await self._handlers[verb](request)
+
+    async def pause_for_movement(self, browser: Browser, verb: object) -> Reply:
+        """Pauses the driver while a browser waits for a movement, or ends that.
+
+        Raises:
+            NeuroTouchError: no driver can be paused, or the page may not.
+        """
+        self._require_edit()
+        await asyncio.to_thread(browser.end_pause)
+        if verb == "pause":
+            browser.pause = await asyncio.to_thread(ProgramPause)
+        return {"saved": ""}
+
+    def _require_edit(self) -> None:
         if not self._edit:
             raise PageError(
                 "This page is read-only.", hint="To change things: neurotouch view --edit"
             )
-        if verb in self._savers:
-            return {"saved": await asyncio.to_thread(self._savers[verb], request, file)}
-        return await self._handlers[verb](request)
 
     async def close(self) -> None:
         """Ends all programs that it has started."""
         await self._programs.close()
 
     async def _command(self, request: Request) -> Reply:
-        """Pauses or resumes every driver of this player: the page shows the nearest one only.
-
-        What resumes because a movement was made leaves a panic as it is.
-        """
-        after_movement = request["do"] == "resume" and request.get("for") == "movement"
-        command = "unpause" if after_movement else request["do"]
-        reached = await asyncio.to_thread(ask_every, command, [find_player()])
+        """Pauses or resumes every driver of this player: the page shows the nearest one only."""
+        reached = await asyncio.to_thread(ask_every, request["do"], [find_player()])
         for each in reached:
             if each.error is not None:
                 raise each.error

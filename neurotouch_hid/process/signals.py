@@ -58,6 +58,45 @@ def stop_on_signals(reload: Callable[[], object] | None = None) -> threading.Eve
     return stop
 
 
+class TerminalStop:
+    """Stops the process on Ctrl-Z (SIGTSTP), but first calls what has to be done before.
+
+    Only the main thread may make it. Where the signal is ignored, it stays so.
+
+    Args:
+        prepare: is called just before the process stops.
+    """
+
+    def __init__(self, prepare: Callable[[], object]) -> None:
+        self._prepare = prepare
+        self._is_wanted = False
+        self._has_begun = signal.getsignal(signal.SIGTSTP) is not signal.SIG_IGN
+        if self._has_begun:
+            signal.signal(signal.SIGTSTP, self._ask)
+
+    def take(self) -> None:
+        """Stops the process if that was asked for; returns when it continues."""
+        if self._is_wanted:
+            self._is_wanted = False
+            self._prepare()
+            self._stop()
+
+    def close(self) -> None:
+        """Makes Ctrl-Z stop the process at once again."""
+        if self._has_begun:
+            signal.signal(signal.SIGTSTP, signal.SIG_DFL)
+
+    def _ask(self, *_: object) -> None:
+        if self._is_wanted:  # a second one: the main thread is busy elsewhere
+            self._stop()
+        self._is_wanted = True
+
+    def _stop(self) -> None:
+        signal.signal(signal.SIGTSTP, signal.SIG_DFL)
+        signal.raise_signal(signal.SIGTSTP)  # in this thread, so it has stopped here
+        signal.signal(signal.SIGTSTP, self._ask)
+
+
 def _is_in_package(frame: FrameType | None) -> bool:
     """Returns True if code of another package runs there."""
     while frame is not None and frame.f_globals.get("__name__") not in _CALLERS:

@@ -44,6 +44,7 @@ class Mapping:
         self._user = user or UserSettings()
         self._log = DecisionLog()
         self._state: PipelineState = "running"
+        self._is_for_program = False  # the pause
         self._commands: list[str] = []
         self._t_us: int | None = None
         self._is_calm = False  # the same pad state until the next gesture
@@ -66,6 +67,11 @@ class Mapping:
     def state(self) -> PipelineState:
         """The state: running, paused (the same gesture resumes) or panic."""
         return self._state
+
+    @property
+    def is_paused_for_program(self) -> bool:
+        """True while it is paused for a program, and not by a person."""
+        return self._is_for_program
 
     @property
     def reading(self) -> ConditionedGesture:
@@ -97,10 +103,23 @@ class Mapping:
         self._take(profile)
         self._layers.armed = False
 
-    def pause(self) -> None:
-        """Releases everything until ``resume`` or the gesture that pauses."""
+    def pause(self, *, for_program: bool = False) -> None:
+        """Releases everything until ``resume`` or the gesture that pauses.
+
+        Args:
+            for_program: until ``resume`` or ``end_program_pause``, whatever the gestures: the
+                program asks for movements. A pause that was there before stays as it is.
+        """
         if self._state == "running":
             self._enter("paused", "pause")
+            self._is_for_program = for_program
+        elif not for_program:
+            self._is_for_program = False
+
+    def end_program_pause(self) -> None:
+        """Resumes if a program has paused, and no person since."""
+        if self._is_for_program:
+            self.resume()
 
     def panic(self) -> None:
         """Releases everything until ``resume``."""
@@ -183,6 +202,8 @@ class Mapping:
 
     def _apply(self, command: str) -> None:
         match command:
+            case "pause" if self._is_for_program:
+                pass
             case "pause" if self._state == "paused":
                 self.resume()
             case "pause":
@@ -196,6 +217,7 @@ class Mapping:
     def _enter(self, state: PipelineState, command: str) -> None:
         self._fatigue.rest()
         self._state = state
+        self._is_for_program = False
         self._is_calm = False
         self._layers.release()
         self._commands.append(command)

@@ -10,9 +10,11 @@ from neurotouch_hid.errors import DriverError
 from neurotouch_hid.profile import Profile, UserSettings
 from neurotouch_hid.vocabulary import PipelineState
 
-CommandName = Literal["pause", "resume", "unpause", "toggle", "panic", "switch"]
-"""``unpause`` ends a pause, as what has paused does, and ``toggle`` begins one or ends it; only
-``resume`` ends a panic."""
+CommandName = Literal[
+    "pause", "pause_for_program", "end_program_pause", "resume", "toggle", "panic", "switch"
+]
+"""``toggle`` pauses, or ends any pause; ``end_program_pause`` ends only one that a program has
+begun; only ``resume`` ends a panic."""
 
 CAPACITY: Final = 64
 """Commands that may wait; more come only while the source is silent."""

@@ -89,7 +89,7 @@ class PipelineControl:
             self._on_command(command)
 
     def submit(self, name: CommandName) -> Command:
-        """Makes the pipeline pause, resume, unpause, toggle or panic before its next slice.
+        """Makes the pipeline pause, resume, toggle or panic before its next slice.
 
         Raises:
             DriverError: too many commands wait.
@@ -153,8 +153,12 @@ class PipelineControl:
     def _apply(self, command: Command) -> None:
         mapping = self._pipeline.mapping
         match command.name:
-            case "toggle" | "unpause" if mapping.state == "paused":
+            case "toggle" if mapping.state == "paused":
                 mapping.resume()
+            case "pause_for_program":
+                mapping.pause(for_program=True)
+            case "end_program_pause":
+                mapping.end_program_pause()
             case "pause" | "toggle":
                 mapping.pause()
             case "panic":
@@ -172,7 +176,7 @@ class PipelineControl:
         fresh = Mapping(profile, user)
         fresh.switch(profile)
         if mapping.state == "paused":
-            fresh.pause()
+            fresh.pause(for_program=mapping.is_paused_for_program)
         elif mapping.state == "panic":
             fresh.panic()
         recognizer = self._pipeline.recognizer

@@ -268,6 +268,22 @@ def test_a_panic_meanwhile_stays_after_the_calibration(home, driver):
     assert ask_status()["state"] == "panic"
 
 
+def test_a_driver_goes_on_after_the_last_of_two_calibrations_and_after_a_killed_one(home, driver):
+    def begin():
+        process = start_neurotouch("calibrate", stdin=subprocess.PIPE)
+        while "Step 1" not in process.stdout.readline():
+            pass
+        return process
+
+    first, second = begin(), begin()
+    out, _ = first.communicate("q\n")
+    assert "Still paused, until another program has ended too." in out
+    assert ask_status()["state"] == "paused"
+    second.kill()
+    second.communicate()
+    wait_until(lambda: ask_status()["state"] == "running")
+
+
 def test_a_driver_goes_on_when_the_calibration_cannot_say_anything(home, driver):
     with Path("/dev/full").open("w") as full:
         run_neurotouch("calibrate", code=1, capture_output=False, stdin=full, stdout=full)

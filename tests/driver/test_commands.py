@@ -11,6 +11,7 @@ from neurotouch_hid.driver.chosen import Chosen
 from neurotouch_hid.driver.commands import Commands
 from neurotouch_hid.driver.packet_feed import PacketFeed
 from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.program_pauses import ProgramPauses
 from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.errors import NeuroTouchError
 from neurotouch_hid.gesture import GestureConfig
@@ -40,6 +41,7 @@ def make_commands(control, profiles, window=None, **surroundings):
         control,
         profiles,
         PacketFeed(),
+        ProgramPauses(control),
         open_source("sim:tour", speed="max"),
         Surroundings(**surroundings),
         lambda: DESCRIBED,
@@ -104,9 +106,6 @@ def test_order_to_a_silent_source_is_noted(commands):
         (["panic", "panic"], "Already stopped by panic.", "panic"),
         (["panic", "pause"], "Already stopped by panic.", "panic"),  # only resume ends a panic
         (["panic", "pause", "resume", "pause"], "Paused", "paused"),
-        (["pause", "unpause"], "Resumed", "running"),
-        (["unpause"], "Already running.", "running"),
-        (["pause", "panic", "unpause"], "Already stopped by panic.", "panic"),
     ],
 )
 def test_an_answer_says_what_holds_afterwards(commands, control, patient, orders, words, state):

@@ -20,6 +20,7 @@ from neurotouch_hid.driver.control_socket import ControlSocket
 from neurotouch_hid.driver.packet_feed import PacketFeed
 from neurotouch_hid.driver.people import People
 from neurotouch_hid.driver.profile_watch import ProfileWatch
+from neurotouch_hid.driver.program_pauses import ProgramPauses
 from neurotouch_hid.driver.surroundings import Surroundings
 from neurotouch_hid.driver.told_window import ToldWindow
 from neurotouch_hid.gesture import GestureConfig
@@ -86,7 +87,16 @@ class _Driver:
         watch = ProfileWatch(Chosen("default", profile, user), control, around, lambda _new: None)
         source = open_source("sim:tour", speed="max")
         window = ToldWindow(seated.is_present, watch.follow) if is_service else None
-        commands = Commands(control, watch, PacketFeed(), source, around, lambda: DESCRIBED, window)
+        commands = Commands(
+            control,
+            watch,
+            PacketFeed(),
+            ProgramPauses(control),
+            source,
+            around,
+            lambda: DESCRIBED,
+            window,
+        )
         self.path = find_socket(folder / "run")
         listener = ControlSocket(folder / "run")
         listener.serve(commands.answer)

@@ -13,7 +13,7 @@ from neurotouch_hid.messages import GelProblem
 from neurotouch_hid.monitor import LinesMonitor, PictureMonitor, TraceWriter
 from neurotouch_hid.monitor.terminal import READINGS
 from neurotouch_hid.monitor.text_output import TextOutput
-from neurotouch_hid.process.signals import stop_on_signals
+from neurotouch_hid.process.signals import TerminalStop, stop_on_signals
 
 if TYPE_CHECKING:
     from neurotouch_hid.driver import Driver
@@ -48,20 +48,27 @@ def play(
 
     with ExitStack() as stack:
         taps: list[Tap] = []
+        picture: PictureMonitor | None = None
         if trace is not None:
             writer = TraceWriter(trace, announce)
             stack.callback(writer.close)
             taps.append(writer)
         if show != "nothing":
             out = TextOutput(sys.stdout, "the output", announce)
-            monitor = (
-                PictureMonitor(out, title)
-                if show == "picture"
-                else LinesMonitor(out, read_decisions)
-            )
+            if show == "picture":
+                picture = PictureMonitor(out, title)
+            monitor = picture or LinesMonitor(out, read_decisions)
             stack.callback(monitor.close)
             taps.append(monitor)
-        stats = driver.run(taps, seconds=seconds, stop=stop)
+
+        def prepare_stop() -> None:
+            driver.device.neutral()
+            if picture is not None:
+                picture.leave()
+
+        terminal_stop = TerminalStop(prepare_stop)
+        stack.callback(terminal_stop.close)
+        stats = driver.run(taps, seconds=seconds, stop=stop, on_round=terminal_stop.take)
     gel = driver.pipeline.gel
     if stats.slices and (not gel.is_found or gel.problem is GelProblem.EVENTS_ONLY):
         sentence = explain_gel(gel)

@@ -53,7 +53,8 @@ class Store:
     ``undone.json`` there says which versions an undo has left, and to which one the last undo went.
     A version that was left is kept, but no undo brings it back. ``last_saved`` is what was written
     here last: where the file differs from it, another program has changed the file, and what it
-    replaced becomes a version too. ``lock`` lets one process at a time change all of these.
+    replaced becomes a version too. ``deleted_link`` is the link that the file was when it was
+    deleted. ``lock`` lets one process at a time change all of these.
 
     Args:
         path: the file; its name without the suffix is NAME. It need not exist.
@@ -72,6 +73,7 @@ class Store:
         self._folder = path.parent / ".history" / path.stem
         self.undone_file = self._folder / "undone.json"
         self._saved_file = self._folder / "last_saved"
+        self._link_file = self._folder / "deleted_link"
 
     def read(self) -> bytes | None:
         """Returns the content of the file, or None if there is none."""
@@ -140,6 +142,9 @@ class Store:
             self._keep_saved(content)
             if content is not None:
                 self._keep(content, self._stamp())
+            self._link_file.unlink(missing_ok=True)
+            if self.path.is_symlink():
+                self._link_file.symlink_to(self.path.readlink())
             self.path.unlink(missing_ok=True)
             self._saved_file.unlink(missing_ok=True)
 
@@ -259,7 +264,21 @@ class Store:
             self._keep_saved(content)
         if keep and content is not None:
             self._keep(content, self._stamp())
+        if content is None:
+            self._put_link_back(back)
         self._write(back)
+
+    def _put_link_back(self, content: bytes) -> None:
+        """Makes the link again that was deleted, if its target still has this content.
+
+        A target that has changed meanwhile is another's: it is never written.
+        """
+        with suppress(OSError):  # it was no link, or its target is gone: then it becomes a file
+            target = self._link_file.readlink()
+            if read_bytes(self.path.parent / target, MAX_SETTINGS_BYTES) == content:
+                self.path.symlink_to(target)
+        with suppress(OSError):
+            self._link_file.unlink(missing_ok=True)
 
     def _write(self, content: bytes) -> None:
         write_whole(self.path, content)

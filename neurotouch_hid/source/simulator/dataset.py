@@ -1,8 +1,11 @@
 """Writes a set of labelled recordings like the paper's, which has not been published."""
 
+import fcntl
 import hashlib
 import json
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -150,8 +153,8 @@ def write_dataset(
         The recordings, gels and users one after another.
 
     Raises:
-        RecordingError: the folder or a file cannot be written, or the folder has recordings that
-            were made from other recipes.
+        RecordingError: the folder or a file cannot be written, another program writes a set there,
+            or the folder has recordings that were made from other recipes.
     """
     folder = Path(out_dir)
     like = "" if rig is None else _digest(rig.content)
@@ -161,25 +164,52 @@ def write_dataset(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise RecordingError.of_writing(folder, error) from error
-    begun = _read_begun(folder)
-    finished = begun or {}
-    paths = [folder / f"{recipe.name}{suffix}" for recipe in recipes]
-    if not replace:
-        _refuse_others(recipes, paths, begun)
-    remove_left(folder)
-    if begun is None:  # what is there from now on is ours, also if the first recording is stopped
-        _write_manifest(folder, finished)
-    for i, (recipe, path) in enumerate(zip(recipes, paths, strict=True)):
-        is_there = path.exists() and labels_path(path).exists()
-        if not (is_there and finished.get(recipe.name) == recipe.describe()):
-            if finished.pop(recipe.name, None) is not None:
-                _write_manifest(folder, finished)
-            for share in _record(recipe, path, command, gel, gel_file, rig):
-                progress(Progress(path, i, len(paths), share))
-            finished[recipe.name] = recipe.describe()
+    with _lock(folder):
+        begun = _read_begun(folder)
+        finished = begun or {}
+        paths = [folder / f"{recipe.name}{suffix}" for recipe in recipes]
+        if not replace:
+            _refuse_others(recipes, paths, begun)
+        remove_left(folder)
+        if begun is None:  # what is there from now on is ours, also if the first one is stopped
             _write_manifest(folder, finished)
-        progress(Progress(path, i, len(paths), 1.0))
-    return paths
+        for i, (recipe, path) in enumerate(zip(recipes, paths, strict=True)):
+            is_there = path.exists() and labels_path(path).exists()
+            if not (is_there and finished.get(recipe.name) == recipe.describe()):
+                if finished.pop(recipe.name, None) is not None:
+                    _write_manifest(folder, finished)
+                for share in _record(recipe, path, command, gel, gel_file, rig):
+                    progress(Progress(path, i, len(paths), share))
+                finished[recipe.name] = recipe.describe()
+                _write_manifest(folder, finished)
+            progress(Progress(path, i, len(paths), 1.0))
+        return paths
+
+
+@contextmanager
+def _lock(folder: Path) -> Iterator[None]:
+    """Keeps another process from writing a set into the folder meanwhile; leaves no file there.
+
+    Raises:
+        RecordingError: another process writes one.
+    """
+    try:
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
+    except OSError as error:
+        raise RecordingError.of_writing(folder, error) from error
+    try:
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise RecordingError(
+                f"Another program writes a data set into '{folder}' now.",
+                hint="Wait until it has ended, or choose another folder.",
+            ) from None
+        except OSError:
+            pass  # a file system that knows no locks
+        yield
+    finally:
+        os.close(descriptor)
 
 
 def plan_dataset(

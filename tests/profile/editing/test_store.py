@@ -293,3 +293,28 @@ def test_a_version_that_is_no_file_is_explained(tmp_path, stamp):
     kept.symlink_to("/dev/zero")
     with pytest.raises(ProfileError, match="cannot be read: it is a device, not a file"):
         store.undo()
+
+
+def test_a_deleted_link_comes_back_as_a_link_unless_its_target_has_changed(tmp_path, stamp):
+    real = tmp_path / "dotfiles.yaml"
+    real.write_bytes(b"0")
+    link = tmp_path / "mine.yaml"
+    link.symlink_to("dotfiles.yaml")
+    store = Store(link, stamp)
+    store.delete()
+    assert not link.is_symlink()
+    store.undo()
+    assert str(link.readlink()) == "dotfiles.yaml"
+    assert real.read_bytes() == b"0"
+    store.delete()
+    real.write_bytes(b"other")
+    store.undo()
+    assert not link.is_symlink()
+    assert (link.read_bytes(), real.read_bytes()) == (b"0", b"other")
+    store.delete()  # a file now
+    store.undo()
+    assert not link.is_symlink()
+    store.delete()
+    real.write_bytes(b"0")
+    store.restore(1)
+    assert not link.is_symlink()  # the link was not deleted last

@@ -102,6 +102,22 @@ def test_another_set_is_never_replaced_unasked(small_set):
     (folder / "gone.json").rename(folder / dataset.MANIFEST)
 
 
+def test_two_programs_never_write_into_one_folder_at_once(tmp_path):
+    refused = []
+
+    def begin_another(_):
+        if not refused:
+            with pytest.raises(RecordingError, match="Another program writes") as found:
+                dataset.write_dataset(tmp_path, users=1, minutes=0.05, seed=2)
+            refused.append(found.value.hint)
+
+    made = dataset.write_dataset(tmp_path, users=1, minutes=0.05, seed=1, progress=begin_another)
+    assert refused
+    assert (
+        dataset.write_dataset(tmp_path, users=1, minutes=0.05, seed=1) == made
+    )  # the lock has gone
+
+
 def test_clips_never_take_the_labels_of_recordings_unasked(small_set):
     folder, paths, _ = small_set
     before = labels_path(paths[0]).read_bytes()

@@ -31,7 +31,7 @@ let newest = null;
 let isKnown = false; // the outputs have come
 let layer = "";
 let doing = false; // a movement is waited for, or its output is chosen
-let fresh = false; // the driver is paused for it
+let pausing = false; // the driver is paused for it
 
 const page = openPage(HZ, {
   places,
@@ -43,7 +43,7 @@ const page = openPage(HZ, {
     find("far").hidden = !far;
     mayEdit = edit;
     calibration.reset();
-    if (fresh) page.send(PAUSE); // the connection was lost, and the driver has gone on
+    if (pausing) page.send(PAUSE); // the connection was lost, and the driver has gone on
   },
   state(state) {
     if (!start.meet()) return;
@@ -145,7 +145,7 @@ function lose() {
   newest = null;
   profiles.setPlayed("");
   if (!listener.waits) return;
-  fresh = false; // there is no driver to resume
+  pausing = false; // there is no driver to resume
   stopListening();
 }
 
@@ -229,8 +229,8 @@ find("by-doing").addEventListener("click", () => {
     stopListening();
     return;
   }
-  fresh = newest !== null && newest.state === "running";
-  if (fresh) page.send(PAUSE);
+  pausing = newest !== null;
+  if (pausing) page.send(PAUSE);
   doing = true;
   listener.start();
   placeGel();
@@ -262,9 +262,9 @@ function stopListening() {
 
 function endListening() {
   find("by-doing").textContent = "Make a movement to change it";
-  if (fresh) page.send({ do: "resume", for: "movement" }); // a panic since then stays
+  if (pausing) page.send({ do: "resume", for: "movement" }); // what a person has stopped stays
   const hadFocus = find("doing").contains(document.activeElement);
-  doing = fresh = false;
+  doing = pausing = false;
   showAll();
   if (hadFocus) find("by-doing").focus(); // the gel has gone back to its place
 }
