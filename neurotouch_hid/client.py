@@ -45,7 +45,7 @@ LOADING_S: Final = 10.0
 ENDING_S: Final = 10.0
 """A driver that was asked to end has ended within this time."""
 
-_PATIENCE_S: Final = 3 * REQUEST_S
+PATIENCE_S: Final = 3 * REQUEST_S
 _AGAIN_S: Final = 0.1
 
 Reply = dict[str, Any]
@@ -75,48 +75,6 @@ class Reached(NamedTuple):
         return "the service" if is_service_folder(self.folder) else "your driver"
 
 
-class ProgramPause:
-    """A pause of the nearest running driver, which ends with this process at the latest.
-
-    Attributes:
-        state: the driver's state now: ``panic`` if a panic came before; None while it has no data.
-
-    Raises:
-        NotRunningError: no driver is running.
-        DriverError: it does not answer, or it refuses.
-    """
-
-    def __init__(self) -> None:
-        _, self._connection = open_stream("pause_while_connected")
-        self._connection.settimeout(_PATIENCE_S)
-        try:
-            self.state = self._read().get("state")
-        except DriverError:
-            self._connection.close()
-            raise
-
-    def end(self) -> str:
-        """Ends it, and returns what the driver says of its state then; a second call must not be.
-
-        Raises:
-            DriverError: the driver has ended, or it does not answer.
-        """
-        with self._connection:
-            with suppress(OSError):  # the driver has ended
-                self._connection.shutdown(socket.SHUT_WR)
-            return get_text(self._read())
-
-    def _read(self) -> Reply:
-        try:
-            said = json.loads(_read_line(self._connection))
-        except (OSError, ValueError, RecursionError):
-            said = None
-        if not isinstance(said, dict):
-            raise DriverError("The driver does not answer.")
-        answer: Reply = make_value_printable(said)
-        return answer
-
-
 def ask(command: str, *, player: int | None = None, **arguments: Any) -> Reply:
     """Returns the nearest running driver's answer to a command.
 
@@ -132,7 +90,7 @@ def ask(command: str, *, player: int | None = None, **arguments: Any) -> Reply:
         DriverError: it does not answer, or it refuses.
     """
     question = json.dumps({"command": command, **arguments}).encode() + b"\n"
-    patience_s = _PATIENCE_S + (LOADING_S if command in ("reload", "use", "settings") else 0.0)
+    patience_s = PATIENCE_S + (LOADING_S if command in ("reload", "use", "settings") else 0.0)
     answer, connection = _ask_any(question, patience_s, player)
     connection.close()
     return answer
@@ -152,7 +110,7 @@ def ask_every(command: str, players: Iterable[int]) -> list[Reached]:
         NotRunningError: none runs.
     """
     question = json.dumps({"command": command}).encode() + b"\n"
-    patience_s = _PATIENCE_S + (LOADING_S if command == "reload" else 0.0)
+    patience_s = PATIENCE_S + (LOADING_S if command == "reload" else 0.0)
     folders = [(player, each) for player in players for each in list_runtime_folders(player)]
     found: list[Reached | NotRunningError] = []
 
@@ -220,13 +178,13 @@ def open_stream(command: str) -> tuple[Reply, socket.socket]:
 
     Args:
         command: ``record``: packets follow, until either end closes; ``pause_while_connected``, see
-            ``ProgramPause``.
+            ``program_pause``.
 
     Raises:
         NotRunningError: no driver is running.
         DriverError: it does not answer, or it refuses.
     """
-    answer, connection = _ask_any(json.dumps({"command": command}).encode() + b"\n", _PATIENCE_S)
+    answer, connection = _ask_any(json.dumps({"command": command}).encode() + b"\n", PATIENCE_S)
     connection.settimeout(None)
     return answer, connection
 
@@ -378,16 +336,27 @@ def _ask_once(path: Path, question: bytes, patience_s: float) -> tuple[Reply, so
         with suppress(BrokenPipeError, ConnectionResetError):  # refused unread; the answer says why
             connection.sendall(question)
         _require_moving(connection)
-        answer = json.loads(_read_line(connection))
-        if not isinstance(answer, dict):
-            raise ValueError
-        return make_value_printable(answer), connection
-    except RecursionError:
-        connection.close()
-        raise ValueError from None
+        return read_answer(connection), connection
     except (OSError, ValueError, DriverError):
         connection.close()
         raise
+
+
+def read_answer(connection: socket.socket) -> Reply:
+    """Returns the next line that a driver sends.
+
+    Raises:
+        OSError: none comes in time.
+        ValueError: it is no answer.
+    """
+    try:
+        answer = json.loads(_read_line(connection))
+    except RecursionError:
+        raise ValueError from None
+    if not isinstance(answer, dict):
+        raise ValueError
+    printable: Reply = make_value_printable(answer)
+    return printable
 
 
 def _require_moving(connection: socket.socket) -> None:

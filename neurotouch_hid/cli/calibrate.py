@@ -164,7 +164,7 @@ def _tell_unsaved(voice: "Voice", kept: "UnfinishedCalibration", *, guided: bool
 @contextmanager
 def _pause_driver(source: str, voice: "Voice") -> Iterator[None]:
     """Pauses a running driver, which goes on afterwards unless a person has stopped it."""
-    from neurotouch_hid.client import ProgramPause
+    from neurotouch_hid.program_pause import ProgramPause
 
     if source != RUNNING_DRIVER:
         yield

@@ -10,10 +10,10 @@ from typing import Any, Unpack
 from websockets.asyncio.server import ServerConnection
 from websockets.exceptions import ConnectionClosed
 
-from neurotouch_hid.client import ProgramPause
 from neurotouch_hid.errors import DriverError
 from neurotouch_hid.page.guard import Rate
 from neurotouch_hid.page.messages import PageMessage
+from neurotouch_hid.program_pause import ProgramPause
 
 
 class Browser:

@@ -7,14 +7,7 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any, Final
 
-from neurotouch_hid.client import (
-    ProgramPause,
-    ask,
-    ask_every,
-    get_text,
-    is_served,
-    wait_until_ended,
-)
+from neurotouch_hid.client import ask, ask_every, get_text, is_served, wait_until_ended
 from neurotouch_hid.errors import PageError, ProfileError
 from neurotouch_hid.files.faults import describe_fault
 from neurotouch_hid.page.address import write_secret
@@ -32,6 +25,7 @@ from neurotouch_hid.page.situation import MENDS
 from neurotouch_hid.players import find_player, find_runtime_folder
 from neurotouch_hid.profile import Profile, check_profile, list_profiles
 from neurotouch_hid.profile.reading import Checked, check_listed, find_user_folder
+from neurotouch_hid.program_pause import ProgramPause
 
 Request = dict[str, Any]
 """The message of a browser, which may hold anything: each value is checked where it is read."""

@@ -40,7 +40,7 @@ def folder(tmp_path, monkeypatch) -> Path:
 def patient(monkeypatch):
     """A machine that stands still for a moment makes nobody give up."""
     monkeypatch.setattr(control, "REQUEST_S", LIMIT_S)
-    monkeypatch.setattr(driver, "_PATIENCE_S", LIMIT_S)
+    monkeypatch.setattr(driver, "PATIENCE_S", LIMIT_S)
 
 
 @pytest.fixture
@@ -72,7 +72,7 @@ def exchange(path: Path, *pieces: bytes, end: bool = True) -> dict:
 
 
 def test_a_profile_may_take_its_time_to_load(folder, monkeypatch):
-    monkeypatch.setattr(driver, "_PATIENCE_S", 0.2)
+    monkeypatch.setattr(driver, "PATIENCE_S", 0.2)
     with ControlSocket(folder) as made, ThreadPoolExecutor(1) as asker:
         gate = threading.Event()
 

@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from neurotouch_hid.client import ProgramPause, ask
+from neurotouch_hid.client import ask
 from neurotouch_hid.driver import program_pauses
 from neurotouch_hid.driver.commands import Commands
 from neurotouch_hid.driver.control_socket import ControlSocket
@@ -19,6 +19,7 @@ from neurotouch_hid.errors import DriverError
 from neurotouch_hid.gesture import GestureConfig
 from neurotouch_hid.players import find_runtime_folder
 from neurotouch_hid.profile import UserSettings, load_profile
+from neurotouch_hid.program_pause import ProgramPause
 from neurotouch_hid.runtime import Pipeline, PipelineControl
 from tests.waiting import wait_until
 
@@ -58,9 +59,8 @@ def test_it_is_paused_until_the_last_program_has_ended(control):
 
 
 def test_the_pause_of_a_killed_program_ends(control):
-    code = (
-        "import time; from neurotouch_hid.client import ProgramPause as P; p = P(); time.sleep(60)"
-    )
+    code = "from time import sleep; from neurotouch_hid.program_pause import ProgramPause; "
+    code += "pause = ProgramPause(); sleep(60)"
     with subprocess.Popen([sys.executable, "-c", code]) as program:
         wait_until(lambda: control.mapping.state == "paused")
         program.kill()

@@ -124,7 +124,7 @@ def test_one_that_refuses_keeps_no_other_from_the_command(own, capsys):
 
 
 def test_one_that_does_not_answer_keeps_no_other_waiting(own, capsys, monkeypatch):
-    monkeypatch.setattr(client, "_PATIENCE_S", 0.3)
+    monkeypatch.setattr(client, "PATIENCE_S", 0.3)
     heard = []
     with ControlSocket(own), serve(own.parent / "service", heard, STOPPED):
         assert send_command("panic") == 8
@@ -134,7 +134,7 @@ def test_one_that_does_not_answer_keeps_no_other_waiting(own, capsys, monkeypatc
 
 def test_stop_says_how_to_end_a_driver_that_still_starts(own, capsys, monkeypatch):
     """Its socket is there while it compiles, for a minute or more, and the command waits in it."""
-    monkeypatch.setattr(client, "_PATIENCE_S", 0.3)
+    monkeypatch.setattr(client, "PATIENCE_S", 0.3)
     with ControlSocket(own):
         assert send_command("stop") == 8
     assert capsys.readouterr().err == (
