@@ -95,6 +95,9 @@ class Sensor:
         places = np.arange(len(chip.levels)) / LEVEL_SCALE
         signal = np.interp(chip.picture.canvas["image"], places, chip.levels)
         chip.pixels["signal"] = signal
+        # No signal changes any more. Events of one moment come in the order in which pixels become
+        # active, so without this a few of them would come in another one.
+        chip.picture.canvas["is_active"], chip.counts["active"] = False, 0
         # After a long time, each pixel is at a random place between its thresholds.
         chip.pixels["reference"] = signal - self._start * chip.pixels["on"]
 
