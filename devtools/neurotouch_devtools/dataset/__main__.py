@@ -6,6 +6,7 @@ Ctrl-C stops it; the same command continues.
 import argparse
 import os
 import sys
+import time
 from pathlib import Path
 from typing import Final
 
@@ -25,7 +26,7 @@ def main() -> int:
     handle_interrupts()
     options = _parse()
     parts = [part for split in options.split for part in list_parts(split)]
-    begun = sum(os.times()[:4])
+    begun = time.monotonic()
     try:
         found = write_edition(
             options.out, parts, jobs=options.jobs, progress=lambda line: print(line, flush=True)
@@ -37,10 +38,10 @@ def main() -> int:
         print("Stopped. The same command continues.", file=sys.stderr)
         return 130
     size_mb = sum((options.out / name).stat().st_size for name in found) / 1e6
-    spent_s = sum(os.times()[:4]) - begun
+    took_s = time.monotonic() - begun
     print(
-        f"{len(found)} files of SIMULATED data, {size_mb:.0f} MB, are in {options.out}; "
-        f"{spent_s:.0f} s of processor time."
+        f"{len(found)} files of SIMULATED data, {size_mb:.0f} MB, are in {options.out}. "
+        f"It took {took_s:.0f} s."
     )
     if options.keep_checksums:
         write_whole(OF_EDITION, (options.out / "SHA256SUMS").read_bytes())
