@@ -113,7 +113,7 @@ def test_the_keyboard_alone_binds_a_movement_and_a_screen_reader_hears_each_step
         ("link", "Fly the spacecraft"),
         ("button", "Make a movement to change it"),
         (
-            "image",
+            "application",
             "The gel: press it with mouse or fingers, or with the arrow keys, Q, E, plus and minus",
         ),
         ("button", "B"),
