@@ -172,7 +172,7 @@ def _pause_driver(source: str, voice: "Voice") -> Iterator[None]:
     pause = ProgramPause()
     try:
         if pause.state != "panic":
-            voice.say("The running driver is paused until this ends.")
+            voice.say("The running driver is paused meanwhile.")
         yield
     finally:
         with suppress(DriverError):  # it has ended

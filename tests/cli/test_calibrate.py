@@ -252,7 +252,7 @@ def test_what_the_running_driver_sees_is_measured_and_the_driver_paused_meanwhil
     assert process.returncode == 130, said  # Q saves nothing
     text = "".join(said)
     assert "SIMULATED" in text
-    assert "The running driver is paused until this ends." in text
+    assert "The running driver is paused meanwhile." in text
     assert "Resumed. The next gesture counts." in text
     wait_until(lambda: ask_status()["state"] == "running")
 

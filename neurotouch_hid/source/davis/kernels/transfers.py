@@ -201,7 +201,7 @@ def _count_events(data: Bytes) -> int:
     """Returns how many events there are: each has a column word of its own."""
     n = 0
     for k in range(1, len(data), 2):
-        n += data[k] & 0xE0 == COLUMN_OFF << 4
+        n += data[k] & 0xE0 == COLUMN_OFF << 4  # the lowest bit of the code is the polarity
     return n
 
 
